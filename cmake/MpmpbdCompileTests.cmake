@@ -1,0 +1,86 @@
+# Tests whose subject is the compiler: programs that must not compile, and headers that must compile
+# alone.
+
+# Flags of a target's users as they stand on a command line: include folders of `target` and of all
+# that it links, as system folders where they are not ours.
+set(_ours "-I${PROJECT_SOURCE_DIR}/include")
+set(_theirs "$<TARGET_PROPERTY:mpmpbd_test_base,INCLUDE_DIRECTORIES>")
+set(MPMPBD_INCLUDE_FLAGS "${_ours}" "-isystem$<JOIN:${_theirs},;-isystem>")
+
+# The compilers a failing program is shown to: the two of Debian where present, and the configured one.
+function(_mpmpbd_find_compilers out)
+  set(found "${CMAKE_CXX_COMPILER}")
+  foreach(name IN ITEMS g++ clang++)
+    string(MAKE_C_IDENTIFIER "MPMPBD_FAIL_${name}" variable)
+    find_program(${variable} ${name})
+    mark_as_advanced(${variable})
+    if(${variable})
+      list(APPEND found "${${variable}}")
+    endif()
+  endforeach()
+  set(unique "")
+  set(seen "")
+  foreach(compiler IN LISTS found)
+    file(REAL_PATH "${compiler}" real)
+    if(NOT real IN_LIST seen)
+      list(APPEND seen "${real}")
+      list(APPEND unique "${compiler}")
+    endif()
+  endforeach()
+  set(${out} ${unique} PARENT_SCOPE)
+endfunction()
+
+# mpmpbd_add_fail_tests(<folder>): every .cpp there is compiled by every compiler twice, with
+# -DMPMPBD_FIXED (has to compile) and without (has to fail with the sentence of `// expect: `).
+# nvcc joins for files that say `// also: nvcc`.
+function(mpmpbd_add_fail_tests folder)
+  _mpmpbd_find_compilers(compilers)
+  file(GLOB sources CONFIGURE_DEPENDS "${folder}/*.cpp")
+  foreach(source IN LISTS sources)
+    cmake_path(GET source STEM name)
+    set(cases ${compilers})
+    file(STRINGS "${source}" also REGEX "^// also: nvcc")
+    if(also AND MPMPBD_HAS_CUDA)
+      list(APPEND cases "${CMAKE_CUDA_COMPILER}")
+    endif()
+    foreach(compiler IN LISTS cases)
+      cmake_path(GET compiler FILENAME tag)
+      add_test(NAME "fail/${name} ${tag}"
+        COMMAND "${CMAKE_COMMAND}"
+          "-DSOURCE=${source}"
+          "-DCOMPILER=${compiler}"
+          "-DFLAGS=-std=c++20;${MPMPBD_INCLUDE_FLAGS}"
+          -P "${PROJECT_SOURCE_DIR}/cmake/check_compile_fail.cmake")
+      set_tests_properties("fail/${name} ${tag}" PROPERTIES LABELS fail TIMEOUT 120)
+    endforeach()
+  endforeach()
+endfunction()
+
+# mpmpbd_add_header_tests(<include folder>): every header is all of a translation unit, with our
+# warnings as errors; .hpp by the configured compiler, .cuh by nvcc.
+function(mpmpbd_add_header_tests include_dir)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE "${include_dir}"
+    "${include_dir}/mpmpbd/*.hpp" "${include_dir}/mpmpbd/*.cuh")
+  foreach(header IN LISTS headers)
+    if(header MATCHES "\\.cuh$")
+      if(NOT MPMPBD_HAS_CUDA)
+        continue()
+      endif()
+      list(GET CMAKE_CUDA_ARCHITECTURES 0 arch)
+      string(REGEX MATCH "^[0-9]+" arch "${arch}")
+      set(command "${CMAKE_CUDA_COMPILER}" -std=c++20 -arch=sm_${arch} ${MPMPBD_CUDA_DIAGNOSTICS}
+        --Werror=all-warnings ${MPMPBD_INCLUDE_FLAGS} -x cu -ptx -o /dev/null -include "${header}")
+    else()
+      set(command "${CMAKE_CXX_COMPILER}" -std=c++20 ${MPMPBD_CXX_WARNINGS} -Werror
+        ${MPMPBD_INCLUDE_FLAGS} -x c++ -fsyntax-only -include "${header}")
+    endif()
+    string(REGEX REPLACE "^mpmpbd/" "headers/" name "${header}")
+    add_test(NAME "${name}" COMMAND ${command} /dev/null COMMAND_EXPAND_LISTS)
+    set_tests_properties("${name}" PROPERTIES LABELS headers TIMEOUT 120)
+  endforeach()
+
+  add_test(NAME headers/borders
+    COMMAND "${CMAKE_COMMAND}" "-DINCLUDE_DIR=${include_dir}"
+      -P "${PROJECT_SOURCE_DIR}/cmake/check_borders.cmake")
+  set_tests_properties(headers/borders PROPERTIES LABELS headers)
+endfunction()

@@ -1,0 +1,29 @@
+# mpmpbd::warnings: what our own sources are compiled with. Never installed, never seen by users.
+add_library(mpmpbd_warnings INTERFACE)
+add_library(mpmpbd::warnings ALIAS mpmpbd_warnings)
+
+set(MPMPBD_CXX_WARNINGS
+  -Wall -Wextra -Wpedantic
+  -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wold-style-cast -Wcast-align -Wunused
+  -Wconversion         # a double that becomes a float loses half of its digits silently
+  -Wno-sign-conversion # counts are int, sizes of the standard library are not: only noise
+  -Wdouble-promotion   # a float kernel that computes in double by accident
+  -Wformat=2 -Wundef)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND MPMPBD_CXX_WARNINGS -Wduplicated-cond -Wlogical-op)
+endif()
+# nvcc's host pass: its generated code does not survive -Wpedantic, -Wold-style-cast or -Wundef.
+set(MPMPBD_CUDA_WARNINGS -Xcompiler=-Wall,-Wextra,-Wshadow)
+if(MPMPBD_WARNINGS_AS_ERRORS)
+  list(APPEND MPMPBD_CXX_WARNINGS -Werror)
+  list(APPEND MPMPBD_CUDA_WARNINGS -Xcompiler=-Werror --Werror=all-warnings)
+endif()
+# 20011, 20013, 20014, 20015: a host function is called from a kernel; 20012: an annotation is
+# ignored. nvcc only warns, and the kernel that comes out is a trap or empty.
+set(MPMPBD_CUDA_DIAGNOSTICS -diag-error=20011,20012,20013,20014,20015)
+
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  target_compile_options(mpmpbd_warnings INTERFACE
+    "$<$<COMPILE_LANGUAGE:CXX>:${MPMPBD_CXX_WARNINGS}>"
+    "$<$<COMPILE_LANGUAGE:CUDA>:${MPMPBD_CUDA_WARNINGS};${MPMPBD_CUDA_DIAGNOSTICS}>")
+endif()
