@@ -1,0 +1,1 @@
+// Carries the precompiled header and the usage requirements that the tests share.
