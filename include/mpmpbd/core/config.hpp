@@ -1,0 +1,18 @@
+// What the compiler is told before anything else: where a function may run.
+#pragma once
+
+#if defined(__CUDACC__)
+#define MPMPBD_HD __host__ __device__
+#else
+#define MPMPBD_HD
+#endif
+
+// Functions of the particle loops have to be inlined whatever their size: a call per node costs more
+// than the node itself.
+#if defined(__CUDACC__)
+#define MPMPBD_INLINE __host__ __device__ __forceinline__
+#elif defined(__GNUC__)
+#define MPMPBD_INLINE inline __attribute__((always_inline))
+#else
+#define MPMPBD_INLINE inline
+#endif
