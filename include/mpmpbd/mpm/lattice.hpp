@@ -1,0 +1,60 @@
+// The regular grid of one environment. Environment-local coordinates: node (0, 0, 0) is the origin.
+#pragma once
+
+#include <cstdint>
+
+#include <mpmpbd/core/matrix.hpp>
+
+namespace mpmpbd {
+
+template <class T> struct Lattice {
+  T dx;          // cell size [m]
+  T inverse_dx;  // [1/m]
+  int nodes[3];  // nodes per axis
+
+  MPMPBD_HD static Lattice make(T dx, int nx, int ny, int nz) {
+    return {dx, T(1) / dx, {nx, ny, nz}};
+  }
+
+  // x is the fastest axis: particles in lattice order then touch memory in order.
+  MPMPBD_HD std::int64_t index(int i, int j, int k) const {
+    return i + static_cast<std::int64_t>(nodes[0]) * (j + static_cast<std::int64_t>(nodes[1]) * k);
+  }
+  MPMPBD_HD std::int64_t count() const {
+    return static_cast<std::int64_t>(nodes[0]) * nodes[1] * nodes[2];
+  }
+  MPMPBD_HD Vec3<T> position(int i, int j, int k) const { return {{i * dx, j * dx, k * dx}}; }
+};
+
+// The nodes around a point and its 1-D weights per axis; all lengths in cells.
+template <class T, class Shape> struct Stencil {
+  int base[3];  // first node per axis
+  T f[3];       // distance from it [cells]
+
+  MPMPBD_INLINE static Stencil at(Lattice<T> const& lattice, Vec3<T> const& x) {
+    Stencil s;
+    for (int a = 0; a < 3; ++a) {
+      T const cells = x[a] * lattice.inverse_dx;
+      T const first = floor(cells - T(Shape::offset));
+      s.base[a] = static_cast<int>(first);
+      s.f[a] = cells - first;
+    }
+    return s;
+  }
+  // Whether all nodes exist.
+  MPMPBD_INLINE bool inside(Lattice<T> const& lattice) const {
+    bool ok = true;
+    for (int a = 0; a < 3; ++a)
+      ok = ok && base[a] >= 0 && base[a] + Shape::width <= lattice.nodes[a];
+    return ok;
+  }
+};
+
+// The part of the domain in which a point has all its nodes, kept half a cell clear of the border so
+// that rounding never leaves it: [low, high] in cells, per axis.
+template <class Shape, class T> MPMPBD_HD T lowest_cell() { return T(Shape::offset) + T(0.01); }
+template <class Shape, class T> MPMPBD_HD T highest_cell(int nodes) {
+  return T(nodes - Shape::width) + T(Shape::offset) + T(0.99);
+}
+
+}  // namespace mpmpbd
