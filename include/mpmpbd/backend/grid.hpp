@@ -1,0 +1,73 @@
+// The grid of one environment on the host: node velocities, and the tiles that particles add to.
+//
+// Particles are cut into chunks of fixed size; each chunk adds to a tile of its own that covers just
+// its nodes, and nodes sum the tiles in chunk order. The sum does not depend on who computed a tile.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <mpmpbd/core/quad.hpp>
+#include <mpmpbd/mpm/lattice.hpp>
+
+namespace mpmpbd {
+
+inline constexpr std::int64_t chunk_size = 1024;
+
+// A box of nodes, [low, high) per axis.
+struct NodeBox {
+  int low[3] = {0, 0, 0};
+  int high[3] = {0, 0, 0};
+  bool empty() const { return high[0] <= low[0]; }
+  void include(int const (&base)[3], int width) {
+    bool const first = empty();
+    for (int a = 0; a < 3; ++a) {
+      if (first || base[a] < low[a]) low[a] = base[a];
+      if (first || base[a] + width > high[a]) high[a] = base[a] + width;
+    }
+  }
+};
+
+// Sums of momentum and mass over the nodes of a box.
+template <class T> struct Tile {
+  NodeBox box;
+  std::vector<Quad<T>> sums;
+
+  void clear_to(NodeBox const& b) {
+    box = b;
+    std::size_t n = 1;
+    for (int a = 0; a < 3; ++a) n *= static_cast<std::size_t>(b.empty() ? 0 : b.high[a] - b.low[a]);
+    sums.assign(n, quad<T>(0, 0, 0, 0));
+  }
+  std::int64_t row(int j, int k) const {
+    return (box.high[0] - box.low[0]) *
+           ((j - box.low[1]) +
+            static_cast<std::int64_t>(box.high[1] - box.low[1]) * (k - box.low[2]));
+  }
+  bool has_row(int j, int k) const {
+    return !box.empty() && j >= box.low[1] && j < box.high[1] && k >= box.low[2] && k < box.high[2];
+  }
+};
+
+// What a scatter adds to.
+template <class T> struct TileWriter {
+  Tile<T>* tile;
+  MPMPBD_INLINE Quad<T>* at(int i, int j, int k) const {
+    return tile->sums.data() + tile->row(j, k) + (i - tile->box.low[0]);
+  }
+};
+
+// What a gather reads: node velocities (and those before forces), x fastest.
+template <class T> struct NodeReader {
+  Quad<T> const* nodes;
+  Quad<T> const* previous;
+  Lattice<T> lattice;
+  MPMPBD_INLINE Quad<T> const* at(int i, int j, int k) const {
+    return nodes + lattice.index(i, j, k);
+  }
+  MPMPBD_INLINE Quad<T> const* previous_at(int i, int j, int k) const {
+    return previous + lattice.index(i, j, k);
+  }
+};
+
+}  // namespace mpmpbd

@@ -1,0 +1,197 @@
+// How the host runs the stages of a substep, serially or with threads, with the same bits.
+#pragma once
+
+#include <mpmpbd/backend/grid.hpp>
+#include <mpmpbd/backend/serial.hpp>
+#include <mpmpbd/mpm/time_step.hpp>
+#include <mpmpbd/scene/scene.hpp>
+
+namespace mpmpbd {
+
+// Scratch of one environment's substep: nothing in here is state.
+template <class T, class NodeFields> struct Workspace {
+  std::vector<Quad<T>> nodes;  // velocity and mass, after the node stage
+  struct Previous {
+    std::vector<Quad<T>> velocities;
+  };
+  struct Mobility {
+    std::vector<Vec3<T>> inverse_masses;
+  };
+  struct Nothing {};
+  [[no_unique_address]] std::conditional_t<contains<NodeFields, node::PreviousVelocity>, Previous,
+                                           Nothing>
+      previous;
+  [[no_unique_address]] std::conditional_t<contains<NodeFields, node::InverseMass>, Mobility,
+                                           Nothing>
+      mobility;
+  std::vector<Tile<T>> tiles;
+  std::vector<std::uint32_t> faults;  // per chunk
+
+  void prepare(Lattice<T> const& lattice, std::int64_t chunks) {
+    auto const n = static_cast<std::size_t>(lattice.count());
+    nodes.resize(n);
+    if constexpr (contains<NodeFields, node::PreviousVelocity>) previous.velocities.resize(n);
+    if constexpr (contains<NodeFields, node::InverseMass>) mobility.inverse_masses.resize(n);
+    tiles.resize(static_cast<std::size_t>(chunks));
+    faults.assign(static_cast<std::size_t>(chunks), 0);
+  }
+};
+
+// Runs stages for one environment. `Lanes` spreads pieces of work over threads.
+template <class Scene, class T, class Lanes> class HostEnvironment {
+ public:
+  using Ctx = Context<T, typename Scene::Policies>;
+  using Work = Workspace<T, typename Scene::NodeFields>;
+  using Store = State<T, typename Scene::StateFields>;
+
+  HostEnvironment(Store& state, std::int64_t env, Ctx const& context, Work& work,
+                  Lanes const& lanes)
+      : state_(state), env_(env), context_(context), work_(work), lanes_(lanes) {
+    if constexpr (Scene::has_body) live_ = state.template table<Particles>().live(env);
+    work_.prepare(context.lattice, chunks());
+  }
+
+  // One substep: every stage of the scene's pipeline, in its order. Returns the faults met.
+  std::uint32_t substep(Tick<T> const& tick) {
+    context_.tick = tick;
+    for (auto& f : work_.faults) f = 0;
+    for_each_type(typename Scene::Substep::Stages{}, [&]<class Stage>(std::type_identity<Stage>) {
+      run<Stage>(typename Stage::Kind{});
+    });
+    std::uint32_t faults = 0;
+    for (auto f : work_.faults) faults |= f;
+    return faults;
+  }
+
+  // Maxima that bound the time step; not_finite when a particle is already lost.
+  StepBounds<T> bounds(std::uint32_t& faults) {
+    std::vector<StepBounds<T>> of_chunk(static_cast<std::size_t>(chunks()));
+    if constexpr (Scene::has_body) {
+      using Body = typename Scene::Body;
+      using Read = stored_t<union_t<typename Body::Material::Reads, typename Body::Transfer::Reads,
+                                    Fields<particle::Volume>>>;
+      auto const view = state_.template view<Particles>();
+      lanes_.for_each(chunks(), [&](std::int64_t c, int) {
+        auto& b = of_chunk[static_cast<std::size_t>(c)];
+        for_chunk(c, [&](std::int64_t index) {
+          Local<T, Read> p;
+          p.load(view, index, Read{});
+          auto const one = step_bounds<Body>(p, context_.template of<typename Body::Material>());
+          if (!is_finite(one.frequency2 + one.speed + one.rate +
+                         dot(p[particle::Position{}], p[particle::Position{}])))
+            work_.faults[static_cast<std::size_t>(c)] |=
+                static_cast<std::uint32_t>(Fault::not_finite);
+          else
+            b.include(one);
+        });
+      });
+    }
+    StepBounds<T> all;
+    for (auto const& b : of_chunk) all.include(b);
+    for (auto f : work_.faults) faults |= f;
+    return all;
+  }
+
+ private:
+  std::int64_t chunks() const { return (live_ + chunk_size - 1) / chunk_size; }
+
+  template <class Function> void for_chunk(std::int64_t c, Function&& f) const {
+    std::int64_t const first = env_ * state_.template table<Particles>().capacity();
+    std::int64_t const end = (c + 1) * chunk_size < live_ ? (c + 1) * chunk_size : live_;
+    for (std::int64_t slot = c * chunk_size; slot < end; ++slot) f(first + slot);
+  }
+
+  template <class Stage> void run(kind::Scatter) {
+    using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Particles>;
+    auto const view = state_.template view<Particles>();
+    lanes_.for_each(chunks(), [&](std::int64_t c, int) {
+      auto& tile = work_.tiles[static_cast<std::size_t>(c)];
+      tile.clear_to(box_of(c));
+      TileWriter<T> const sums{&tile};
+      std::uint32_t faults = 0;
+      for_chunk(c, [&](std::int64_t index) {
+        Local<T, Used> p;
+        p.load(view, index, stored_t<on_t<typename Stage::Reads, Particles>>{});
+        faults |= Stage::run(p, sums, context_);
+        p.store(view, index, stored_t<on_t<typename Stage::Writes, Particles>>{});
+      });
+      work_.faults[static_cast<std::size_t>(c)] |= faults;
+    });
+  }
+
+  template <class Stage> void run(kind::NodeWise) {
+    auto const& lattice = context_.lattice;
+    lanes_.for_each(lattice.nodes[2], [&](std::int64_t k, int) {
+      for (int j = 0; j < lattice.nodes[1]; ++j) {
+        auto* row = work_.nodes.data() + lattice.index(0, j, static_cast<int>(k));
+        sum_tiles(row, j, static_cast<int>(k));
+        for (int i = 0; i < lattice.nodes[0]; ++i)
+          move_node<Stage>(row[i], i, j, static_cast<int>(k));
+      }
+    });
+  }
+
+  template <class Stage> void run(kind::Gather) {
+    using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Particles>;
+    auto const view = state_.template view<Particles>();
+    NodeReader<T> nodes{work_.nodes.data(), nullptr, context_.lattice};
+    if constexpr (contains<typename Scene::NodeFields, node::PreviousVelocity>)
+      nodes.previous = work_.previous.velocities.data();
+    lanes_.for_each(chunks(), [&](std::int64_t c, int) {
+      std::uint32_t faults = 0;
+      for_chunk(c, [&](std::int64_t index) {
+        Local<T, Used> p;
+        p.load(view, index, stored_t<on_t<typename Stage::Reads, Particles>>{});
+        faults |= Stage::run(p, nodes, context_);
+        p.store(view, index, stored_t<on_t<typename Stage::Writes, Particles>>{});
+      });
+      work_.faults[static_cast<std::size_t>(c)] |= faults;
+    });
+  }
+
+  NodeBox box_of(std::int64_t c) const {
+    using Shape = typename Scene::Body::Shape;
+    auto const view = state_.template view<Particles>();
+    NodeBox box;
+    for_chunk(c, [&](std::int64_t index) {
+      auto const s =
+          Stencil<T, Shape>::at(context_.lattice, view.template get<particle::Position>(index));
+      box.include(s.base, Shape::width);
+    });
+    return box;
+  }
+
+  void sum_tiles(Quad<T>* row, int j, int k) const {
+    for (int i = 0; i < context_.lattice.nodes[0]; ++i) row[i] = quad<T>(0, 0, 0, 0);
+    for (auto const& tile : work_.tiles) {
+      if (!tile.has_row(j, k)) continue;
+      auto const* from = tile.sums.data() + tile.row(j, k);
+      for (int i = tile.box.low[0]; i < tile.box.high[0]; ++i)
+        row[i] = row[i] + from[i - tile.box.low[0]];
+    }
+  }
+
+  template <class Stage> void move_node(Quad<T>& node, int i, int j, int k) const {
+    using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Nodes>;
+    Local<T, Used> n;
+    n[node::Momentum{}] = vector_part(node);
+    n[node::Mass{}] = node[3];
+    n[node::Position{}] = context_.lattice.position(i, j, k);
+    Stage::run(n, context_);
+    node = quad(n[node::Velocity{}], n[node::Mass{}]);
+    auto const at = static_cast<std::size_t>(context_.lattice.index(i, j, k));
+    if constexpr (contains<Used, node::PreviousVelocity>)
+      work_.previous.velocities[at] = quad(n[node::PreviousVelocity{}], T(0));
+    if constexpr (contains<Used, node::InverseMass>)
+      work_.mobility.inverse_masses[at] = n[node::InverseMass{}];
+  }
+
+  Store& state_;
+  std::int64_t env_;
+  std::int64_t live_ = 0;
+  Ctx context_;
+  Work& work_;
+  Lanes lanes_;
+};
+
+}  // namespace mpmpbd

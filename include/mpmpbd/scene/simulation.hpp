@@ -1,0 +1,230 @@
+// A run of a scene: N environments that equal N separate runs, bit for bit.
+#pragma once
+
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <mpmpbd/backend/host.hpp>
+#include <mpmpbd/mpm/time_step.hpp>
+
+namespace mpmpbd {
+
+// What is fixed when a simulation is made.
+struct SimulationOptions {
+  std::int64_t environments = 1;
+  double cell_size = 0.0;    // [m]
+  int nodes[3] = {0, 0, 0};  // per axis; the domain reaches from (0,0,0) to (nodes-1) cell_size
+  std::vector<Capacity> capacity;  // slots per environment by domain name
+  // Substeps of a step: 0 chooses them per environment from the stable limit, else exactly this many.
+  int substeps = 0;
+  int most_substeps = 1000;  // more needed than this sets Fault::time_step
+};
+
+namespace detail {
+inline void require(bool ok, std::string const& sentence) {
+  if (!ok) throw std::invalid_argument("mpmpbd Simulation: " + sentence);
+}
+}  // namespace detail
+
+template <class Scene_, class Backend = Serial, class T = float> class Simulation {
+ public:
+  using Scene = Scene_;
+  using Scalar = T;
+  using Store = State<T, typename Scene::StateFields>;
+
+  // Throws std::invalid_argument naming the option, its value and what is allowed.
+  explicit Simulation(SimulationOptions options, Backend backend = {})
+      : options_(std::move(options)), backend_(backend), state_(options_.environments) {
+    check_options();
+    lattice_ = Lattice<T>::make(T(options_.cell_size), options_.nodes[0], options_.nodes[1],
+                                options_.nodes[2]);
+    for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D>) {
+      state_.template table<D>().resize(options_.environments, slots<D>());
+    });
+    for (std::int64_t e = 0; e < options_.environments; ++e)
+      state_.template table<Environments>().set_live(e, 1);
+    initial_ = state_;
+  }
+
+  std::int64_t environments() const { return options_.environments; }
+  Lattice<T> const& lattice() const { return lattice_; }
+  SimulationOptions const& options() const { return options_; }
+  Store& state() { return state_; }
+  Store const& state() const { return state_; }
+
+  // Sets the parameters of policy P in all environments, or in one. Refused values change nothing.
+  template <class P> void set(parameters_t<P, double> const& k) {
+    for (std::int64_t e = 0; e < environments(); ++e) set<P>(e, k);
+  }
+  template <class P> void set(std::int64_t env, parameters_t<P, double> const& k) {
+    check_parameters<P, double>(k);
+    state_.template set_parameters<P>(env, cast_parameters<P, T, double>(k));
+  }
+
+  // Adds material points at rest, F = 1: positions [m] in environment coordinates, density [kg/m^3],
+  // volume of each [m^3]. Refuses positions outside the domain and more points than the capacity.
+  void add_particles(std::int64_t env, std::span<Vec3<double> const> positions, double density,
+                     double volume) {
+    check_parameter("Simulation::add_particles", bound::positive("density", "kg/m^3"), density);
+    check_parameter("Simulation::add_particles", bound::positive("volume", "m^3"), volume);
+    for (auto const& x : positions) check_position(x);
+    auto& table = state_.template table<Particles>();
+    std::int64_t slot = table.live(env);
+    table.set_live(env, slot + static_cast<std::int64_t>(positions.size()));
+    for (auto const& x : positions) {
+      table.template set<particle::Position>(env, slot, cast<T>(x));
+      table.template set<particle::Mass>(env, slot, T(density * volume));
+      table.template set<particle::Volume>(env, slot, T(volume));
+      table.template set<particle::Deformation>(env, slot, Mat3<T>::identity());
+      ++slot;
+    }
+  }
+
+  // Makes the present state the one that reset() returns to.
+  void remember() { initial_ = state_; }
+  // Puts environments (all of them, or those with a non-zero mask) back to the remembered state, exactly.
+  void reset() {
+    for (std::int64_t e = 0; e < environments(); ++e) reset(e);
+  }
+  void reset(std::span<unsigned char const> mask) {
+    for (std::int64_t e = 0; e < environments(); ++e)
+      if (mask[static_cast<std::size_t>(e)]) reset(e);
+  }
+  void reset(std::int64_t env) {
+    auto const episode = state_.template get<environment::Episode>(env);
+    state_.copy_environment(env, initial_, env);
+    state_.template set<environment::Episode>(env, episode + 1);
+  }
+  // Makes environment `to` an exact copy of `from`.
+  void clone(std::int64_t from, std::int64_t to) { state_.copy_environment(to, state_, from); }
+
+  std::uint32_t status(std::int64_t env) const {
+    return static_cast<std::uint32_t>(state_.template get<environment::Status>(env));
+  }
+
+  // Advances every environment by h [s], each with its own number of substeps.
+  void step(double h) {
+    detail::require(h > 0.0 && h - h == 0.0,
+                    "step of " + std::to_string(h) + " s asked for; give a positive time");
+    bool const outer = environments() >= backend_.lanes() && backend_.lanes() > 1;
+    workspaces_.resize(static_cast<std::size_t>(outer ? backend_.lanes() : 1));
+    if (outer) {
+      backend_.for_each(environments(), [&](std::int64_t env, int lane) {
+        step_environment(env, h, workspaces_[static_cast<std::size_t>(lane)], Serial{});
+      });
+    } else {
+      for (std::int64_t env = 0; env < environments(); ++env)
+        step_environment(env, h, workspaces_[0], backend_);
+    }
+  }
+
+  // The longest recommended substep [s] of an environment in its present state.
+  double suggest_dt(std::int64_t env) {
+    workspaces_.resize(workspaces_.empty() ? 1 : workspaces_.size());
+    HostEnvironment<Scene, T, Serial> run(state_, env, context_of(env), workspaces_[0], Serial{});
+    std::uint32_t faults = 0;
+    return double(mpmpbd::suggest_dt<typename Scene::Body>(run.bounds(faults), lattice_.dx));
+  }
+
+ private:
+  using Ctx = Context<T, typename Scene::Policies>;
+  using Work = Workspace<T, typename Scene::NodeFields>;
+
+  template <class Lanes>
+  void step_environment(std::int64_t env, double h, Work& work, Lanes const& lanes) {
+    auto status = status_of(env);
+    if (has(status, Fault::not_finite)) return;  // frozen
+    HostEnvironment<Scene, T, Lanes> run(state_, env, context_of(env), work, lanes);
+    int substeps = 0;
+    status |= choose_substeps(run, env, h, substeps);
+    T const dt = T(h / substeps);
+    T previous = state_.template get<environment::Dt>(env);
+    for (int s = 0; s < substeps && !has(status, Fault::not_finite); ++s) {
+      auto const step = state_.template get<environment::Step>(env);
+      status |= run.substep({dt, previous > T(0) ? previous : dt, step});
+      previous = dt;
+      state_.template set<environment::Step>(env, step + 1);
+    }
+    state_.template set<environment::Dt>(env, dt);
+    state_.template set<environment::Substeps>(env, substeps);
+    state_.template set<environment::Status>(env, static_cast<std::int64_t>(status));
+  }
+
+  // Substeps of this step and the faults of choosing them.
+  template <class Run>
+  std::uint32_t choose_substeps(Run& run, std::int64_t env, double h, int& substeps) {
+    std::uint32_t faults = 0;
+    double suggested = h;
+    if constexpr (Scene::has_body) {
+      auto const bounds = run.bounds(faults);
+      suggested = double(mpmpbd::suggest_dt<typename Scene::Body>(bounds, lattice_.dx));
+    }
+    state_.template set<environment::DtLimit>(env, T(suggested));
+    double const needed = h / suggested;
+    bool const too_many = !(needed <= options_.most_substeps);
+    substeps = options_.substeps > 0 ? options_.substeps
+               : too_many            ? options_.most_substeps
+                                     : (needed > 1.0 ? static_cast<int>(::ceil(needed - 1e-9)) : 1);
+    // The suggestion holds a margin; only beyond the limit itself is a step at fault.
+    if (h / substeps > suggested / time_step_safety)
+      faults |= static_cast<std::uint32_t>(Fault::time_step);
+    return faults;
+  }
+
+  std::uint32_t status_of(std::int64_t env) const { return status(env); }
+
+  Ctx context_of(std::int64_t env) const {
+    Ctx c{};
+    c.lattice = lattice_;
+    for_each_type(typename Scene::Policies{}, [&]<class P>(std::type_identity<P>) {
+      c.parameters.template get<P>() = state_.template parameters<P>(env);
+    });
+    return c;
+  }
+
+  template <class D> std::int64_t slots() const {
+    if constexpr (std::is_same_v<D, Environments>) {
+      return 1;
+    } else {
+      for (auto const& c : options_.capacity)
+        if (c.domain == D::name.view()) return c.slots;
+      throw std::invalid_argument(
+          "mpmpbd Simulation: no capacity given for domain '" + std::string(D::name.view()) +
+          "'; add {\"" + std::string(D::name.view()) + "\", slots} to SimulationOptions::capacity");
+    }
+  }
+
+  void check_options() const {
+    detail::require(
+        options_.environments > 0,
+        "environments = " + std::to_string(options_.environments) + "; give at least 1");
+    check_parameter("SimulationOptions", bound::positive("cell_size", "m"), options_.cell_size);
+    for (int n : options_.nodes)
+      detail::require(n >= 4, "nodes per axis = " + std::to_string(n) + "; give at least 4");
+    detail::require(options_.substeps >= 0, "substeps = " + std::to_string(options_.substeps) +
+                                                "; give 0 (automatic) or a positive number");
+  }
+
+  void check_position(Vec3<double> const& x) const {
+    using Shape = typename Scene::Body::Shape;
+    for (int a = 0; a < 3; ++a) {
+      double const low = lowest_cell<Shape, double>() * options_.cell_size;
+      double const high = highest_cell<Shape, double>(options_.nodes[a]) * options_.cell_size;
+      detail::require(x[a] >= low && x[a] <= high,
+                      "a particle at " + std::to_string(x[a]) + " m on axis " + std::to_string(a) +
+                          "; the domain holds particles in [" + std::to_string(low) + ", " +
+                          std::to_string(high) + "] m");
+    }
+  }
+
+  SimulationOptions options_;
+  Backend backend_;
+  Lattice<T> lattice_{};
+  Store state_;
+  Store initial_;
+  std::vector<Work> workspaces_;
+};
+
+}  // namespace mpmpbd

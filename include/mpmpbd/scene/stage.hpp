@@ -1,0 +1,164 @@
+// Stages: the steps of a substep as types. The list that is checked and printed is the list that runs.
+//
+// A stage has a kind (what it runs over), Reads, Writes, the policies it is made of (for the plan) and
+// one function `run`. The same text runs as loops on the CPU or inlined between two barriers of one
+// kernel.
+#pragma once
+
+#include <mpmpbd/effects/concepts.hpp>
+#include <mpmpbd/mpm/gather.hpp>
+#include <mpmpbd/mpm/scatter.hpp>
+
+namespace mpmpbd {
+
+// What a stage runs over.
+namespace kind {
+struct Scatter {
+  static constexpr FixedString name = "particles -> grid";
+};  // run(p, sums, context)
+struct NodeWise {
+  static constexpr FixedString name = "grid";
+};  // run(node, context)
+struct Gather {
+  static constexpr FixedString name = "grid -> particles";
+};  // run(p, nodes, context)
+struct Together {
+  static constexpr FixedString name = "environment";
+};  // run(team, context)
+}  // namespace kind
+
+// Momentum of a node before it is divided by the mass: lives between scatter and node stage.
+namespace node {
+struct Momentum : Transient<"mv", "kg m/s", Vector, Nodes> {};
+}  // namespace node
+
+// The parameters of all policies of a scene, for one environment.
+template <class T, class Policies> struct ParameterBlock;
+template <class T, class... Ps> struct ParameterBlock<T, TypeList<Ps...>> {
+  template <class P> struct Held { parameters_t<P, T> k; };
+  struct All : Held<Ps>... {};
+  All all;
+
+  template <class P> MPMPBD_HD auto const& get() const {
+    return static_cast<Held<P> const&>(all).k;
+  }
+  template <class P> auto& get() { return static_cast<Held<P>&>(all).k; }
+};
+
+// What every stage is told about its environment.
+template <class T, class Policies> struct Context {
+  using Scalar = T;
+  Tick<T> tick;
+  Lattice<T> lattice;
+  ParameterBlock<T, Policies> parameters;
+
+  template <class P> MPMPBD_HD auto const& of() const { return parameters.template get<P>(); }
+};
+
+namespace detail {
+template <Slot slot, class List> struct InSlot;
+template <Slot slot, class... Es> struct InSlot<slot, TypeList<Es...>> {
+  using type = join_t<std::conditional_t<Es::slot == slot, TypeList<Es>, TypeList<>>...>;
+};
+template <class List> struct ReadsOf;
+template <class... Ps> struct ReadsOf<TypeList<Ps...>> {
+  using type = union_t<typename Ps::Reads...>;
+};
+template <class List> struct WritesOf;
+template <class... Ps> struct WritesOf<TypeList<Ps...>> {
+  using type = union_t<typename Ps::Writes...>;
+};
+
+// Applies the effects of a list to one item, in the order of the scene.
+template <class Item, class Ctx, class... Es>
+MPMPBD_HD void apply_effects(TypeList<Es...>, Item& item, Ctx const& context) {
+  (Es::apply(item, context.template of<Es>(), context.tick), ...);
+}
+}  // namespace detail
+
+// The effects of one slot, in the order in which the scene names them.
+template <Slot slot, class Effects> using in_slot_t = typename detail::InSlot<slot, Effects>::type;
+
+template <class Body, class Effects> struct ParticlesToGrid {
+  static constexpr FixedString name = "scatter";
+  using Kind = kind::Scatter;
+  using Material = typename Body::Material;
+  using Before = in_slot_t<Slot::before_scatter, Effects>;
+  using Parts =
+      join_t<TypeList<Material>, Before,
+             TypeList<typename Body::Transfer, typename Body::Form, typename Body::Shape>>;
+  using Reads = union_t<typename Material::Reads, typename detail::ReadsOf<Before>::type,
+                        typename Scatter<Body>::Reads>;
+  using Writes = union_t<Fields<particle::Stress, node::Mass, node::Momentum>,
+                         typename detail::WritesOf<Before>::type>;
+
+  template <class P, class Grid, class Ctx>
+  MPMPBD_INLINE static std::uint32_t run(P& p, Grid const& sums, Ctx const& context) {
+    std::uint32_t faults = 0;
+    if constexpr (requires { requires Material::needs_positive_volume; })
+      if (!(determinant(p[particle::Deformation{}]) > 0))
+        faults |= static_cast<std::uint32_t>(Fault::inversion);
+    p[particle::Stress{}] = Material::kirchhoff(p, context.template of<Material>());
+    detail::apply_effects(Before{}, p, context);
+    Scatter<Body>::run(p, sums, context.lattice, context.tick.dt);
+    return faults;
+  }
+};
+
+// Velocity from momentum, then forces, then boundaries.
+template <class Body, class Effects, bool contact> struct MoveNodes {
+  static constexpr FixedString name = "momentum";
+  using Kind = kind::NodeWise;
+  using Forces = in_slot_t<Slot::on_grid, Effects>;
+  using Boundary = in_slot_t<Slot::at_boundary, Effects>;
+  using Parts = join_t<Forces, Boundary>;
+  using Reads = union_t<Fields<node::Mass, node::Momentum>, typename detail::ReadsOf<Parts>::type>;
+  using Writes = union_t<Fields<node::Velocity, node::Position>,
+                         std::conditional_t<contact, Fields<node::InverseMass>, Fields<>>,
+                         std::conditional_t<Body::Transfer::needs_previous_grid,
+                                            Fields<node::PreviousVelocity>, Fields<>>,
+                         typename detail::WritesOf<Parts>::type>;
+
+  template <class Node, class Ctx> MPMPBD_INLINE static void run(Node& n, Ctx const& context) {
+    using T = typename Node::Scalar;
+    // No cut-off of light nodes: the result is the same at 1 m and at 1 mm.
+    T const inverse_mass = n[node::Mass{}] > T(0) ? T(1) / n[node::Mass{}] : T(0);
+    n[node::Velocity{}] = inverse_mass * n[node::Momentum{}];
+    if constexpr (Body::Transfer::needs_previous_grid)
+      n[node::PreviousVelocity{}] = n[node::Velocity{}];
+    if constexpr (contact) n[node::InverseMass{}] = {{inverse_mass, inverse_mass, inverse_mass}};
+    if (!(n[node::Mass{}] > T(0))) return;
+    detail::apply_effects(Forces{}, n, context);
+    detail::apply_effects(Boundary{}, n, context);
+  }
+};
+
+template <class Body, class Effects> struct GridToParticles {
+  static constexpr FixedString name = "gather";
+  using Kind = kind::Gather;
+  using Material = typename Body::Material;
+  using After = in_slot_t<Slot::after_gather, Effects>;
+  using Parts =
+      join_t<TypeList<typename Body::Transfer, typename Body::Form, typename Body::Shape>, After>;
+  using Reads = union_t<Fields<node::Velocity>,
+                        std::conditional_t<Body::Transfer::needs_previous_grid,
+                                           Fields<node::PreviousVelocity>, Fields<>>,
+                        typename Gather<Body>::Reads, typename Material::Reads,
+                        typename detail::ReadsOf<After>::type>;
+  using Writes = union_t<typename Gather<Body>::Writes, typename Material::Writes,
+                         typename detail::WritesOf<After>::type>;
+
+  template <class P, class Grid, class Ctx>
+  MPMPBD_INLINE static std::uint32_t run(P& p, Grid const& nodes, Ctx const& context) {
+    auto const faults = Gather<Body>::run(p, nodes, context.template of<typename Body::Transfer>(),
+                                          context.lattice, context.tick.dt);
+    if constexpr (requires {
+                    Material::after_update(p, context.template of<Material>(), context.tick);
+                  })
+      Material::after_update(p, context.template of<Material>(), context.tick);
+    detail::apply_effects(After{}, p, context);
+    return faults;
+  }
+};
+
+}  // namespace mpmpbd
