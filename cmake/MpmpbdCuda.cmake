@@ -5,6 +5,7 @@
 # 12.4 is the first nvcc whose C++20 compiles our headers; Debian 12 packages 11.8.
 set(MPMPBD_CUDA_MINIMUM 12.4)
 set(MPMPBD_HAS_CUDA FALSE)
+set(MPMPBD_CUDA_COMPILED_WITH "" CACHE INTERNAL "The CUDA compiler in use; scripts read it")
 
 # Where the decision and its reason go: a hard stop for ON, one line for AUTO.
 macro(_mpmpbd_without_cuda reason)
@@ -86,6 +87,7 @@ else()
       _mpmpbd_without_cuda("the CUDA run-time library was not found beside ${CMAKE_CUDA_COMPILER}")
     else()
       set(MPMPBD_HAS_CUDA TRUE)
+      set(MPMPBD_CUDA_COMPILED_WITH "nvcc ${CMAKE_CUDA_COMPILER_VERSION}" CACHE INTERNAL "")
       message(STATUS "mpmpbd: CUDA on (nvcc ${CMAKE_CUDA_COMPILER_VERSION}, "
         "architectures ${CMAKE_CUDA_ARCHITECTURES})")
     endif()
