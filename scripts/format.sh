@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Formats our C++ and CUDA sources by .clang-format; --check only says which files differ.
+set -euo pipefail
+# shellcheck source=scripts/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+cd "$root"
+
+mode=(-i)
+case ${1:-} in
+  '') ;;
+  --check) mode=(--dry-run --Werror) ;;
+  *) die "usage: scripts/format.sh [--check]" ;;
+esac
+git ls-files -z --cached --others --exclude-standard '*.hpp' '*.cpp' '*.cuh' '*.cu' |
+  xargs -0 --no-run-if-empty clang-format --style=file "${mode[@]}"

@@ -1,0 +1,127 @@
+#!/usr/bin/env bash
+# Sets up, builds and tests. The last lines are ctest's, the exit status is that of the first failure.
+set -euo pipefail
+# shellcheck source=scripts/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+usage() {
+  cat <<'TEXT'
+Usage: scripts/test.sh [options]
+
+Without options: a Release build and every tier but `long`: unit, physics, fail (programs that must
+not compile), headers (each compiled alone), package (projects that use the installed library) and
+device (skipped without a GPU).
+
+  --unit              build and run the tier `unit` only
+  --long              run the tier `long` too (hours)
+  --sanitize NAME     asan-ubsan or tsan: build with it and run the tiers unit and physics,
+                      with --unit only the first
+  --preset NAME       another preset of CMakePresets.json (default: release)
+  --cuda auto|on|off  what MPMPBD_CUDA is set to (default: the preset's)
+  --cuda-arch LIST    GPU architectures (default: 75, which every later GPU runs too)
+  --only-cuda         compile the .cu sources and stop
+  --no-setup          the machine is set up already
+  -j N                jobs at a time (default: number of cores)
+TEXT
+}
+
+preset=release
+sanitizer=
+cuda=
+arch=75
+tiers=all
+long=no
+only_cuda=no
+setup=yes
+while (($#)); do
+  case $1 in
+    --unit) tiers=unit ;;
+    --long) long=yes ;;
+    --sanitize) sanitizer=${2:?--sanitize needs a name} && shift ;;
+    --preset) preset=${2:?--preset needs a name} && shift ;;
+    --cuda) cuda=${2:?--cuda needs auto, on or off} && shift ;;
+    --cuda-arch) arch=${2:?--cuda-arch needs a list} && shift ;;
+    --only-cuda) only_cuda=yes ;;
+    --no-setup) setup=no ;;
+    -j) jobs=${2:?-j needs a number} && shift ;;
+    -h | --help) usage && exit ;;
+    *) usage >&2 && die "unknown option '$1'" ;;
+  esac
+  shift
+done
+case $sanitizer in
+  '') ;;
+  asan-ubsan | tsan)
+    preset=$sanitizer
+    cuda=off
+    [[ $tiers == unit ]] || tiers=sanitized
+    ;;
+  *) die "--sanitize takes asan-ubsan or tsan, not '$sanitizer'" ;;
+esac
+
+build=$build_root/$preset
+cd "$root"
+
+purpose='test'
+[[ $preset == tsan || $preset == clang ]] && purpose='ci'
+if [[ $setup == yes ]]; then
+  if [[ ${cuda,,} == off || $preset == clang || $preset == debug ]]; then
+    step "set-up" scripts/setup.sh $purpose --no-cuda
+  else
+    step "set-up" scripts/setup.sh $purpose
+  fi
+fi
+
+if [[ ${cuda,,} != off ]]; then
+  nvcc=$(find_nvcc)
+  [[ -z $nvcc ]] || export CUDACXX=$nvcc
+fi
+options=("-DCMAKE_CUDA_ARCHITECTURES=$arch")
+[[ -z $cuda ]] || options+=("-DMPMPBD_CUDA=${cuda^^}")
+step "configure $preset" cmake --preset "$preset" -B "$build" "${options[@]}"
+
+# Our .cu sources that a build compiles; those of the consumers in tests/package are their own.
+cuda_sources() { find src tests/device tests/support bench examples -name '*.cu' 2>/dev/null; }
+build_target() { cmake --build "$build" -j "$jobs" --target "$@"; }
+
+compiled_with=$(sed -n 's/^MPMPBD_CUDA_COMPILED_WITH:INTERNAL=//p' "$build/CMakeCache.txt")
+if [[ -n $compiled_with && $tiers == all ]]; then
+  step "build CUDA" build_target mpmpbd_device
+fi
+if [[ $only_cuda == no ]]; then
+  case $tiers in
+    unit) step "build" build_target mpmpbd_unit ;;
+    sanitized) step "build" build_target mpmpbd_unit mpmpbd_physics ;;
+    all) step "build" build_target all ;;
+  esac
+fi
+
+if [[ -n $compiled_with && $tiers == all ]]; then
+  while read -r source; do
+    [[ -n $(find "$build" -name "$(basename "$source").o" -print -quit) ]] ||
+      die "$source was not compiled"
+  done < <(cuda_sources)
+  say "CUDA: compiled with $compiled_with ($(cuda_sources | wc -l) sources, architectures $arch)"
+elif [[ -n $compiled_with ]]; then
+  say "CUDA: not part of this run"
+else
+  [[ ${cuda,,} != on ]] || die "CUDA is required, but no .cu was compiled"
+  say "CUDA: not available"
+fi
+[[ $only_cuda == no ]] || exit 0
+
+case $tiers in
+  unit) labels=unit ;;
+  sanitized) labels='unit|physics' ;;
+  all) labels='unit|physics|fail|headers|package|device' ;;
+esac
+if [[ $long == yes ]]; then
+  build_target mpmpbd_long
+  labels+='|long'
+else
+  say "tier long, not run here:"
+  ctest --test-dir "$build" -N -L '^long$' | sed -n 's/^ *Test *#[0-9]*: /   /p'
+fi
+
+say "test"
+exec ctest --test-dir "$build" -j "$jobs" -L "^($labels)\$" --output-on-failure --no-tests=error
