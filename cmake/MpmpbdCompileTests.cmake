@@ -1,15 +1,19 @@
 # Tests whose subject is the compiler: programs that must not compile, and headers that must compile
 # alone.
 
-# Flags of a target's users as they stand on a command line: include folders of `target` and of all
-# that it links, as system folders where they are not ours.
-set(_ours "-I${PROJECT_SOURCE_DIR}/include")
-set(_theirs "$<TARGET_PROPERTY:mpmpbd_test_base,INCLUDE_DIRECTORIES>")
-set(MPMPBD_INCLUDE_FLAGS "${_ours}" "-isystem$<JOIN:${_theirs},;-isystem>")
+# The include folders of the tests as they stand on a command line: ours, and as system folders those
+# of the libraries. Ours must not be there twice, or their warnings are gone; /usr/include not at all,
+# because named by hand it comes before the compiler's own headers.
+set(_ours "${PROJECT_SOURCE_DIR}/include")
+set(_tests "${PROJECT_SOURCE_DIR}/tests")
+set(_all "$<TARGET_PROPERTY:mpmpbd_test_base,INCLUDE_DIRECTORIES>")
+set(_theirs "$<REMOVE_DUPLICATES:$<FILTER:${_all},EXCLUDE,^(/usr/include|${_ours}|${_tests})/?$>>")
+set(MPMPBD_INCLUDE_FLAGS "-I${_ours}" "-I${_tests}"
+  "$<$<BOOL:${_theirs}>:-isystem$<SEMICOLON>$<JOIN:${_theirs},$<SEMICOLON>-isystem$<SEMICOLON>>>")
 
 # The compilers a failing program is shown to: the two of Debian where present, and the configured one.
 function(_mpmpbd_find_compilers out)
-  set(found "${CMAKE_CXX_COMPILER}")
+  set(found "")
   foreach(name IN ITEMS g++ clang++)
     string(MAKE_C_IDENTIFIER "MPMPBD_FAIL_${name}" variable)
     find_program(${variable} ${name})
@@ -18,6 +22,7 @@ function(_mpmpbd_find_compilers out)
       list(APPEND found "${${variable}}")
     endif()
   endforeach()
+  list(APPEND found "${CMAKE_CXX_COMPILER}")
   set(unique "")
   set(seen "")
   foreach(compiler IN LISTS found)
