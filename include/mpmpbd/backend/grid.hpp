@@ -49,11 +49,15 @@ template <class T> struct Tile {
   }
 };
 
-// What a scatter adds to.
+// What a scatter adds to: a row of nodes along x.
+template <class T> struct SumRow {
+  Quad<T>* first;
+  MPMPBD_INLINE void add(int n, Quad<T> const& sum) const { first[n] = first[n] + sum; }
+};
 template <class T> struct TileWriter {
   Tile<T>* tile;
-  MPMPBD_INLINE Quad<T>* at(int i, int j, int k) const {
-    return tile->sums.data() + tile->row(j, k) + (i - tile->box.low[0]);
+  MPMPBD_INLINE SumRow<T> row(int i, int j, int k) const {
+    return {tile->sums.data() + tile->row(j, k) + (i - tile->box.low[0])};
   }
 };
 
@@ -62,10 +66,10 @@ template <class T> struct NodeReader {
   Quad<T> const* nodes;
   Quad<T> const* previous;
   Lattice<T> lattice;
-  MPMPBD_INLINE Quad<T> const* at(int i, int j, int k) const {
+  MPMPBD_INLINE Quad<T> const* row(int i, int j, int k) const {
     return nodes + lattice.index(i, j, k);
   }
-  MPMPBD_INLINE Quad<T> const* previous_at(int i, int j, int k) const {
+  MPMPBD_INLINE Quad<T> const* previous_row(int i, int j, int k) const {
     return previous + lattice.index(i, j, k);
   }
 };

@@ -14,16 +14,10 @@ template <class T, class NodeFields> struct Workspace {
   struct Previous {
     std::vector<Quad<T>> velocities;
   };
-  struct Mobility {
-    std::vector<Vec3<T>> inverse_masses;
-  };
   struct Nothing {};
   [[no_unique_address]] std::conditional_t<contains<NodeFields, node::PreviousVelocity>, Previous,
                                            Nothing>
       previous;
-  [[no_unique_address]] std::conditional_t<contains<NodeFields, node::InverseMass>, Mobility,
-                                           Nothing>
-      mobility;
   std::vector<Tile<T>> tiles;
   std::vector<std::uint32_t> faults;  // per chunk
 
@@ -31,7 +25,6 @@ template <class T, class NodeFields> struct Workspace {
     auto const n = static_cast<std::size_t>(lattice.count());
     nodes.resize(n);
     if constexpr (contains<NodeFields, node::PreviousVelocity>) previous.velocities.resize(n);
-    if constexpr (contains<NodeFields, node::InverseMass>) mobility.inverse_masses.resize(n);
     tiles.resize(static_cast<std::size_t>(chunks));
     faults.assign(static_cast<std::size_t>(chunks), 0);
   }
@@ -179,11 +172,9 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     n[node::Position{}] = context_.lattice.position(i, j, k);
     Stage::run(n, context_);
     node = quad(n[node::Velocity{}], n[node::Mass{}]);
-    auto const at = static_cast<std::size_t>(context_.lattice.index(i, j, k));
     if constexpr (contains<Used, node::PreviousVelocity>)
-      work_.previous.velocities[at] = quad(n[node::PreviousVelocity{}], T(0));
-    if constexpr (contains<Used, node::InverseMass>)
-      work_.mobility.inverse_masses[at] = n[node::InverseMass{}];
+      work_.previous.velocities[static_cast<std::size_t>(context_.lattice.index(i, j, k))] =
+          quad(n[node::PreviousVelocity{}], T(0));
   }
 
   Store& state_;

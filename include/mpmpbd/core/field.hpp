@@ -140,7 +140,7 @@ struct Gradient : Transient<"L", "1/s", Matrix, Particles> {};  // velocity grad
 namespace node {
 struct Velocity : Field<"v", "m/s", Vector, Nodes> {};
 struct Mass : Field<"m", "kg", Number, Nodes> {};
-struct InverseMass : Field<"1/m", "1/kg", Vector, Nodes> {};     // per axis; 0 where a wall holds
+struct InverseMass : Transient<"1/m", "1/kg", Vector, Nodes> {};     // per axis; 0 where a wall holds
 struct PreviousVelocity : Field<"v0", "m/s", Vector, Nodes> {};  // before forces, for FLIP
 struct Position : Transient<"x", "m", Vector, Nodes> {};         // from the index
 }  // namespace node

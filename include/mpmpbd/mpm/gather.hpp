@@ -18,7 +18,8 @@ template <class Body> struct Gather {
   using Writes =
       union_t<typename Transfer::Writes, Fields<particle::Deformation, particle::Gradient>>;
 
-  // Moves one particle; `grid.at(i, j, k)` holds node velocities. Returns the fault bits it met.
+  // Moves one particle; `grid.row(i, j, k)[n]` is the velocity of the
+  // n-th node from there along x. Returns the fault bits it met.
   template <class P, class Grid, class K, class T>
   MPMPBD_INLINE static std::uint32_t run(P& p, Grid const& grid, K const& transfer_parameters,
                                          Lattice<T> const& lattice, T dt) {
@@ -44,16 +45,16 @@ template <class Body> struct Gather {
             slope[3] = {zero, zero, zero};
     for (int k = 0; k < Shape::width; ++k) {
       for (int j = 0; j < Shape::width; ++j) {
-        auto const* node = grid.at(s.base[0], s.base[1] + j, s.base[2] + k);
+        auto const nodes = grid.row(s.base[0], s.base[1] + j, s.base[2] + k);
         Quad<T> row = zero, row_i = zero, row_slope = zero;
         for (int i = 0; i < Shape::width; ++i) {
-          Quad<T> const wv = x.weight[i] * node[i];
+          Quad<T> const wv = x.weight[i] * nodes[i];
           row = row + wv;
           if constexpr (moments) row_i = row_i + (T(i) - s.f[0]) * wv;
-          if constexpr (Body::needs_slope) row_slope = row_slope + x.slope[i] * node[i];
+          if constexpr (Body::needs_slope) row_slope = row_slope + x.slope[i] * nodes[i];
           if constexpr (Transfer::needs_previous_grid)
             previous = previous + (x.weight[i] * y.weight[j] * z.weight[k]) *
-                                      grid.previous_at(s.base[0], s.base[1] + j, s.base[2] + k)[i];
+                                      grid.previous_row(s.base[0], s.base[1] + j, s.base[2] + k)[i];
         }
         T const w = y.weight[j] * z.weight[k];
         v = v + w * row;

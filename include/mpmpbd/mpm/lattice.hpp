@@ -23,7 +23,9 @@ template <class T> struct Lattice {
   MPMPBD_HD std::int64_t count() const {
     return static_cast<std::int64_t>(nodes[0]) * nodes[1] * nodes[2];
   }
-  MPMPBD_HD Vec3<T> position(int i, int j, int k) const { return {{i * dx, j * dx, k * dx}}; }
+  MPMPBD_HD Vec3<T> position(int i, int j, int k) const {
+    return {{T(i) * dx, T(j) * dx, T(k) * dx}};
+  }
 };
 
 // The nodes around a point and its 1-D weights per axis; all lengths in cells.

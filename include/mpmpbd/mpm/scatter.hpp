@@ -47,7 +47,8 @@ template <class Body> struct Scatter {
               std::conditional_t<Transfer::carries_affine, Fields<particle::Affine>, Fields<>>>;
   using Writes = Fields<>;
 
-  // Adds one particle to the grid; `grid.at(i, j, k)` is the accumulating node.
+  // Adds one particle to the grid; `grid.row(i, j, k).add(n, quad)` adds to the n-th node from there
+  // along x: floating point on the host, fixed point in a kernel.
   template <class P, class Grid, class T>
   MPMPBD_INLINE static void run(P const& p, Grid const& grid, Lattice<T> const& lattice, T dt) {
     auto const s = Stencil<T, Shape>::at(lattice, p[particle::Position{}]);
@@ -64,7 +65,7 @@ template <class Body> struct Scatter {
       for (int j = 0; j < Shape::width; ++j) {
         auto const row = plane + T(j) * carried.gradient[1];
         T const w_jk = y.weight[j] * z.weight[k];
-        auto* node = grid.at(s.base[0], s.base[1] + j, s.base[2] + k);
+        auto const nodes = grid.row(s.base[0], s.base[1] + j, s.base[2] + k);
         for (int i = 0; i < Shape::width; ++i) {
           auto sum = (w_jk * x.weight[i]) * (row + T(i) * carried.gradient[0]);
           if constexpr (!Form::uses_moment) {
@@ -72,7 +73,7 @@ template <class Body> struct Scatter {
                                 x.weight[i] * y.weight[j] * z.slope[k]}};
             sum = sum + quad(impulse * grad, T(0));
           }
-          node[i] = node[i] + sum;
+          nodes.add(i, sum);
         }
       }
     }

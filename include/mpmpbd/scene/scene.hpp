@@ -27,11 +27,11 @@ template <class... Ps> struct ParameterFields<TypeList<Ps...>> {
       std::conditional_t<(parameter_count<Ps> > 0), Fields<ParametersField<Ps>>, Fields<>>...>;
 };
 
-template <class Body, class Effects, bool contact> struct MpmStages {
-  using Before = TypeList<ParticlesToGrid<Body, Effects>, MoveNodes<Body, Effects, contact>>;
+template <class Body, class Effects> struct MpmStages {
+  using Before = TypeList<ParticlesToGrid<Body, Effects>, MoveNodes<Body, Effects>>;
   using After = TypeList<GridToParticles<Body, Effects>>;
 };
-template <class Effects, bool contact> struct MpmStages<Absent, Effects, contact> {
+template <class Effects> struct MpmStages<Absent, Effects> {
   using Before = TypeList<>;
   using After = TypeList<>;
 };
@@ -70,10 +70,9 @@ template <class... Parts> struct Scene {
   static_assert(detail::check_effects(Effects{}));
 
   static constexpr bool has_body = detail::present<Body>;
-  static constexpr bool has_contact = false;
 
   using Policies = join_t<typename detail::LeavesOf<Parts>::type...>;
-  using Mpm = detail::MpmStages<Body, Effects, has_contact>;
+  using Mpm = detail::MpmStages<Body, Effects>;
   using Substep =
       typename detail::PipelineOf<join_t<typename Mpm::Before, typename Mpm::After>>::type;
   using NodeFields = on_t<stored_t<typename Substep::AllFields>, Nodes>;

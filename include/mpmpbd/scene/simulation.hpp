@@ -97,6 +97,19 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     state_.copy_environment(env, initial_, env);
     state_.template set<environment::Episode>(env, episode + 1);
   }
+  // Replaces the state of all environments, for example by one read from a file. Another number of
+  // environments or another capacity is refused and changes nothing.
+  void restore(Store const& source) {
+    detail::require(source.environments() == environments(),
+                    "a state of " + std::to_string(source.environments()) +
+                        " environments given; this run has " + std::to_string(environments()));
+    for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D>) {
+      detail::require(
+          source.template table<D>().capacity() == state_.template table<D>().capacity(),
+          "a state with another capacity of domain '" + std::string(D::name.view()) + "' given");
+    });
+    state_ = source;
+  }
   // Makes environment `to` an exact copy of `from`.
   void clone(std::int64_t from, std::int64_t to) { state_.copy_environment(to, state_, from); }
 

@@ -106,7 +106,7 @@ template <class Body, class Effects> struct ParticlesToGrid {
 };
 
 // Velocity from momentum, then forces, then boundaries.
-template <class Body, class Effects, bool contact> struct MoveNodes {
+template <class Body, class Effects> struct MoveNodes {
   static constexpr FixedString name = "momentum";
   using Kind = kind::NodeWise;
   using Forces = in_slot_t<Slot::on_grid, Effects>;
@@ -114,7 +114,6 @@ template <class Body, class Effects, bool contact> struct MoveNodes {
   using Parts = join_t<Forces, Boundary>;
   using Reads = union_t<Fields<node::Mass, node::Momentum>, typename detail::ReadsOf<Parts>::type>;
   using Writes = union_t<Fields<node::Velocity, node::Position>,
-                         std::conditional_t<contact, Fields<node::InverseMass>, Fields<>>,
                          std::conditional_t<Body::Transfer::needs_previous_grid,
                                             Fields<node::PreviousVelocity>, Fields<>>,
                          typename detail::WritesOf<Parts>::type>;
@@ -126,10 +125,27 @@ template <class Body, class Effects, bool contact> struct MoveNodes {
     n[node::Velocity{}] = inverse_mass * n[node::Momentum{}];
     if constexpr (Body::Transfer::needs_previous_grid)
       n[node::PreviousVelocity{}] = n[node::Velocity{}];
-    if constexpr (contact) n[node::InverseMass{}] = {{inverse_mass, inverse_mass, inverse_mass}};
     if (!(n[node::Mass{}] > T(0))) return;
     detail::apply_effects(Forces{}, n, context);
     detail::apply_effects(Boundary{}, n, context);
+  }
+
+  // Inverse mass [1/kg] of a moved node per axis: 0 where a boundary holds it. Only contact asks, and
+  // only for the few nodes it touches, so it is found again there instead of stored for all.
+  template <class T, class Ctx>
+  MPMPBD_HD static Vec3<T> inverse_mass(Vec3<T> const& velocity, T mass, Vec3<T> const& position,
+                                        Ctx const& context) {
+    using Probe = union_t<Fields<node::Velocity, node::InverseMass, node::Mass, node::Position>,
+                          typename detail::ReadsOf<Boundary>::type,
+                          typename detail::WritesOf<Boundary>::type>;
+    if (!(mass > T(0))) return Vec3<T>{};
+    Local<T, Probe> n{};
+    n[node::Velocity{}] = velocity;
+    n[node::Mass{}] = mass;
+    n[node::Position{}] = position;
+    n[node::InverseMass{}] = {{1 / mass, 1 / mass, 1 / mass}};
+    detail::apply_effects(Boundary{}, n, context);
+    return n[node::InverseMass{}];
   }
 };
 
