@@ -11,5 +11,8 @@ case ${1:-} in
   --check) mode=(--dry-run --Werror) ;;
   *) die "usage: scripts/format.sh [--check]" ;;
 esac
-git ls-files -z --cached --others --exclude-standard '*.hpp' '*.cpp' '*.cuh' '*.cu' |
-  xargs -0 --no-run-if-empty clang-format --style=file "${mode[@]}"
+files=()
+while IFS= read -r -d '' file; do
+  [[ ! -f $file ]] || files+=("$file")
+done < <(git ls-files -z --cached --others --exclude-standard '*.hpp' '*.cpp' '*.cuh' '*.cu')
+clang-format --style=file "${mode[@]}" "${files[@]}"
