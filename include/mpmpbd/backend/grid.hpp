@@ -28,16 +28,18 @@ struct NodeBox {
   }
 };
 
-// Sums of momentum and mass over the nodes of a box.
+// Sums of momentum and mass over the nodes of a box; `previous` without forces, where it is asked for.
 template <class T> struct Tile {
   NodeBox box;
   std::vector<Quad<T>> sums;
+  std::vector<Quad<T>> previous;
 
-  void clear_to(NodeBox const& b) {
+  void clear_to(NodeBox const& b, bool with_previous) {
     box = b;
     std::size_t n = 1;
     for (int a = 0; a < 3; ++a) n *= static_cast<std::size_t>(b.empty() ? 0 : b.high[a] - b.low[a]);
     sums.assign(n, quad<T>(0, 0, 0, 0));
+    if (with_previous) previous.assign(n, quad<T>(0, 0, 0, 0));
   }
   std::int64_t row(int j, int k) const {
     return (box.high[0] - box.low[0]) *
@@ -52,12 +54,17 @@ template <class T> struct Tile {
 // What a scatter adds to: a row of nodes along x.
 template <class T> struct SumRow {
   Quad<T>* first;
+  Quad<T>* previous;
   MPMPBD_INLINE void add(int n, Quad<T> const& sum) const { first[n] = first[n] + sum; }
+  MPMPBD_INLINE void add_previous(int n, Quad<T> const& sum) const {
+    previous[n] = previous[n] + sum;
+  }
 };
 template <class T> struct TileWriter {
   Tile<T>* tile;
   MPMPBD_INLINE SumRow<T> row(int i, int j, int k) const {
-    return {tile->sums.data() + tile->row(j, k) + (i - tile->box.low[0])};
+    auto const at = tile->row(j, k) + (i - tile->box.low[0]);
+    return {tile->sums.data() + at, tile->previous.empty() ? nullptr : tile->previous.data() + at};
   }
 };
 

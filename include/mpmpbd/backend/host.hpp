@@ -61,8 +61,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     std::vector<StepBounds<T>> of_chunk(static_cast<std::size_t>(chunks()));
     if constexpr (Scene::has_body) {
       using Body = typename Scene::Body;
-      using Read = stored_t<union_t<typename Body::Material::Reads, typename Body::Transfer::Reads,
-                                    Fields<particle::Volume>>>;
+      using Read = stored_t<union_t<typename Body::Material::Reads, typename Scatter<Body>::Reads>>;
       auto const view = state_.template view<Particles>();
       lanes_.for_each(chunks(), [&](std::int64_t c, int) {
         auto& b = of_chunk[static_cast<std::size_t>(c)];
@@ -86,6 +85,9 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   }
 
  private:
+  static constexpr bool needs_previous =
+      contains<typename Scene::NodeFields, node::PreviousVelocity>;
+
   std::int64_t chunks() const { return (live_ + chunk_size - 1) / chunk_size; }
 
   template <class Function> void for_chunk(std::int64_t c, Function&& f) const {
@@ -99,7 +101,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     auto const view = state_.template view<Particles>();
     lanes_.for_each(chunks(), [&](std::int64_t c, int) {
       auto& tile = work_.tiles[static_cast<std::size_t>(c)];
-      tile.clear_to(box_of(c));
+      tile.clear_to(box_of(c), needs_previous);
       TileWriter<T> const sums{&tile};
       std::uint32_t faults = 0;
       for_chunk(c, [&](std::int64_t index) {
@@ -117,7 +119,11 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     lanes_.for_each(lattice.nodes[2], [&](std::int64_t k, int) {
       for (int j = 0; j < lattice.nodes[1]; ++j) {
         auto* row = work_.nodes.data() + lattice.index(0, j, static_cast<int>(k));
-        sum_tiles(row, j, static_cast<int>(k));
+        sum_tiles<&Tile<T>::sums>(row, j, static_cast<int>(k));
+        if constexpr (needs_previous)
+          sum_tiles<&Tile<T>::previous>(
+              work_.previous.velocities.data() + lattice.index(0, j, static_cast<int>(k)), j,
+              static_cast<int>(k));
         for (int i = 0; i < lattice.nodes[0]; ++i)
           move_node<Stage>(row[i], i, j, static_cast<int>(k));
       }
@@ -154,11 +160,11 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     return box;
   }
 
-  void sum_tiles(Quad<T>* row, int j, int k) const {
+  template <std::vector<Quad<T>> Tile<T>::*member> void sum_tiles(Quad<T>* row, int j, int k) const {
     for (int i = 0; i < context_.lattice.nodes[0]; ++i) row[i] = quad<T>(0, 0, 0, 0);
     for (auto const& tile : work_.tiles) {
       if (!tile.has_row(j, k)) continue;
-      auto const* from = tile.sums.data() + tile.row(j, k);
+      auto const* from = (tile.*member).data() + tile.row(j, k);
       for (int i = tile.box.low[0]; i < tile.box.high[0]; ++i)
         row[i] = row[i] + from[i - tile.box.low[0]];
     }
@@ -170,6 +176,9 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     n[node::Momentum{}] = vector_part(node);
     n[node::Mass{}] = node[3];
     n[node::Position{}] = context_.lattice.position(i, j, k);
+    if constexpr (needs_previous)
+      n[node::PreviousMomentum{}] = vector_part(
+          work_.previous.velocities[static_cast<std::size_t>(context_.lattice.index(i, j, k))]);
     Stage::run(n, context_);
     node = quad(n[node::Velocity{}], n[node::Mass{}]);
     if constexpr (contains<Used, node::PreviousVelocity>)

@@ -48,14 +48,15 @@ template <class Body> struct Scatter {
   using Writes = Fields<>;
 
   // Adds one particle to the grid; `grid.row(i, j, k).add(n, quad)` adds to the n-th node from there
-  // along x: floating point on the host, fixed point in a kernel.
+  // along x: floating point on the host, fixed point in a kernel. `add_previous` adds the same without
+  // the impulse of the forces, for transfers that ask for the grid before them.
   template <class P, class Grid, class T>
   MPMPBD_INLINE static void run(P const& p, Grid const& grid, Lattice<T> const& lattice, T dt) {
     auto const s = Stencil<T, Shape>::at(lattice, p[particle::Position{}]);
     auto const x = detail::axis_weights<Shape, !Form::uses_moment>(s.f[0]);
     auto const y = detail::axis_weights<Shape, !Form::uses_moment>(s.f[1]);
     auto const z = detail::axis_weights<Shape, !Form::uses_moment>(s.f[2]);
-    auto const carried = momentum(p, s, lattice, dt);
+    auto const carried = momentum<Form::uses_moment>(p, s, lattice, dt);
     Mat3<T> impulse{};  // - dt V0 tau per cell: weight gradient form
     if constexpr (!Form::uses_moment)
       impulse = -dt * p[particle::Volume{}] * lattice.inverse_dx * p[particle::Stress{}];
@@ -74,21 +75,32 @@ template <class Body> struct Scatter {
             sum = sum + quad(impulse * grad, T(0));
           }
           nodes.add(i, sum);
+          if constexpr (Transfer::needs_previous_grid)
+            nodes.add_previous(i, (w_jk * x.weight[i]) * before_forces(p, s, lattice, i, j, k));
         }
       }
     }
   }
 
  private:
+  // Momentum and mass that a particle brings to node (i, j, k) of its stencil, forces left out.
   template <class P, class T>
+  MPMPBD_INLINE static Quad<T> before_forces(P const& p, Stencil<T, Shape> const& s,
+                                             Lattice<T> const& lattice, int i, int j, int k) {
+    auto const q = momentum<false>(p, s, lattice, T(0));
+    return q.value + T(i) * q.gradient[0] + T(j) * q.gradient[1] + T(k) * q.gradient[2];
+  }
+
+  template <bool forces, class P, class T>
   MPMPBD_INLINE static detail::AffineMomentum<T> momentum(P const& p, Stencil<T, Shape> const& s,
-                                                          Lattice<T> const& lattice, T dt) {
+                                                          Lattice<T> const& lattice,
+                                                          [[maybe_unused]] T dt) {
     T const m = p[particle::Mass{}];
     detail::AffineMomentum<T> q;
     q.value = quad(m * p[particle::Velocity{}], m);
     Mat3<T> A{};
     if constexpr (Transfer::carries_affine) A = m * lattice.dx * p[particle::Affine{}];
-    if constexpr (Form::uses_moment)
+    if constexpr (forces)
       A -= dt * p[particle::Volume{}] * T(Shape::inverse_inertia) * lattice.inverse_dx *
            p[particle::Stress{}];
     for (int a = 0; a < 3; ++a) {

@@ -30,6 +30,7 @@ struct Together {
 // Momentum of a node before it is divided by the mass: lives between scatter and node stage.
 namespace node {
 struct Momentum : Transient<"mv", "kg m/s", Vector, Nodes> {};
+struct PreviousMomentum : Transient<"mv0", "kg m/s", Vector, Nodes> {};  // without internal forces
 }  // namespace node
 
 // The parameters of all policies of a scene, for one environment.
@@ -90,12 +91,14 @@ template <class Body, class Effects> struct ParticlesToGrid {
   using Reads = union_t<typename Material::Reads, typename detail::ReadsOf<Before>::type,
                         typename Scatter<Body>::Reads>;
   using Writes = union_t<Fields<particle::Stress, node::Mass, node::Momentum>,
+                         std::conditional_t<Body::Transfer::needs_previous_grid,
+                                            Fields<node::PreviousMomentum>, Fields<>>,
                          typename detail::WritesOf<Before>::type>;
 
   template <class P, class Grid, class Ctx>
   MPMPBD_INLINE static std::uint32_t run(P& p, Grid const& sums, Ctx const& context) {
     std::uint32_t faults = 0;
-    if constexpr (requires { requires Material::needs_positive_volume; })
+    if constexpr (needs_positive_volume<Material>)
       if (!(determinant(p[particle::Deformation{}]) > 0))
         faults |= static_cast<std::uint32_t>(Fault::inversion);
     p[particle::Stress{}] = Material::kirchhoff(p, context.template of<Material>());
@@ -112,7 +115,10 @@ template <class Body, class Effects> struct MoveNodes {
   using Forces = in_slot_t<Slot::on_grid, Effects>;
   using Boundary = in_slot_t<Slot::at_boundary, Effects>;
   using Parts = join_t<Forces, Boundary>;
-  using Reads = union_t<Fields<node::Mass, node::Momentum>, typename detail::ReadsOf<Parts>::type>;
+  using Reads = union_t<Fields<node::Mass, node::Momentum>,
+                        std::conditional_t<Body::Transfer::needs_previous_grid,
+                                           Fields<node::PreviousMomentum>, Fields<>>,
+                        typename detail::ReadsOf<Parts>::type>;
   using Writes = union_t<Fields<node::Velocity, node::Position>,
                          std::conditional_t<Body::Transfer::needs_previous_grid,
                                             Fields<node::PreviousVelocity>, Fields<>>,
@@ -124,7 +130,7 @@ template <class Body, class Effects> struct MoveNodes {
     T const inverse_mass = n[node::Mass{}] > T(0) ? T(1) / n[node::Mass{}] : T(0);
     n[node::Velocity{}] = inverse_mass * n[node::Momentum{}];
     if constexpr (Body::Transfer::needs_previous_grid)
-      n[node::PreviousVelocity{}] = n[node::Velocity{}];
+      n[node::PreviousVelocity{}] = inverse_mass * n[node::PreviousMomentum{}];
     if (!(n[node::Mass{}] > T(0))) return;
     detail::apply_effects(Forces{}, n, context);
     detail::apply_effects(Boundary{}, n, context);
