@@ -109,6 +109,16 @@ template <class List, class F> inline constexpr bool contains = false;
 template <class... Fs, class F>
 inline constexpr bool contains<Fields<Fs...>, F> = (std::is_same_v<F, Fs> || ...);
 
+namespace detail {
+template <class List> struct NotIn {
+  template <class F> struct Test : std::bool_constant<!contains<List, F>> {};
+};
+}  // namespace detail
+// The fields of the first list that are not in the second.
+template <class List, class Without>
+using minus_t =
+    typename detail::Filter<Fields<>, detail::NotIn<Without>::template Test, List>::type;
+
 // Calls f(F{}) for every field of a list, in order.
 template <class... Fs, class Function>
 MPMPBD_HD constexpr void for_each_field(Fields<Fs...>, Function&& f) {
@@ -140,9 +150,9 @@ struct Gradient : Transient<"L", "1/s", Matrix, Particles> {};  // velocity grad
 namespace node {
 struct Velocity : Field<"v", "m/s", Vector, Nodes> {};
 struct Mass : Field<"m", "kg", Number, Nodes> {};
-struct InverseMass : Transient<"1/m", "1/kg", Vector, Nodes> {};     // per axis; 0 where a wall holds
-struct PreviousVelocity : Field<"v0", "m/s", Vector, Nodes> {};  // before forces, for FLIP
-struct Position : Transient<"x", "m", Vector, Nodes> {};         // from the index
+struct InverseMass : Transient<"1/m", "1/kg", Vector, Nodes> {};  // per axis; 0 where a wall holds
+struct PreviousVelocity : Field<"v0", "m/s", Vector, Nodes> {};   // before forces, for FLIP
+struct Position : Transient<"x", "m", Vector, Nodes> {};          // from the index
 }  // namespace node
 
 }  // namespace mpmpbd

@@ -6,34 +6,82 @@
 
 #include <math.h>
 
+#include <concepts>
+
 #include <mpmpbd/core/config.hpp>
 
 namespace mpmpbd {
 
-MPMPBD_HD inline float sqrt(float a) { return ::sqrtf(a); }
-MPMPBD_HD inline double sqrt(double a) { return ::sqrt(a); }
-MPMPBD_HD inline float exp(float a) { return ::expf(a); }
-MPMPBD_HD inline double exp(double a) { return ::exp(a); }
-MPMPBD_HD inline float expm1(float a) { return ::expm1f(a); }
-MPMPBD_HD inline double expm1(double a) { return ::expm1(a); }
-MPMPBD_HD inline float log(float a) { return ::logf(a); }
-MPMPBD_HD inline double log(double a) { return ::log(a); }
-MPMPBD_HD inline float pow(float a, float b) { return ::powf(a, b); }
-MPMPBD_HD inline double pow(double a, double b) { return ::pow(a, b); }
-MPMPBD_HD inline float floor(float a) { return ::floorf(a); }
-MPMPBD_HD inline double floor(double a) { return ::floor(a); }
-MPMPBD_HD inline float ceil(float a) { return ::ceilf(a); }
-MPMPBD_HD inline double ceil(double a) { return ::ceil(a); }
-MPMPBD_HD inline float sin(float a) { return ::sinf(a); }
-MPMPBD_HD inline double sin(double a) { return ::sin(a); }
-MPMPBD_HD inline float cos(float a) { return ::cosf(a); }
-MPMPBD_HD inline double cos(double a) { return ::cos(a); }
-MPMPBD_HD inline float atan2(float y, float x) { return ::atan2f(y, x); }
-MPMPBD_HD inline double atan2(double y, double x) { return ::atan2(y, x); }
-MPMPBD_HD inline float abs(float a) { return ::fabsf(a); }
-MPMPBD_HD inline double abs(double a) { return ::fabs(a); }
-MPMPBD_HD inline bool is_finite(float a) { return a - a == 0.0f; }
-MPMPBD_HD inline bool is_finite(double a) { return a - a == 0.0; }
+template <class T> concept Real = std::same_as<T, float> || std::same_as<T, double>;
+
+// Templates, so that after `using namespace mpmpbd` the C library's own functions stay preferred.
+template <Real T> MPMPBD_HD T sqrt(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::sqrtf(a);
+  else
+    return ::sqrt(a);
+}
+template <Real T> MPMPBD_HD T exp(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::expf(a);
+  else
+    return ::exp(a);
+}
+template <Real T> MPMPBD_HD T expm1(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::expm1f(a);
+  else
+    return ::expm1(a);
+}
+template <Real T> MPMPBD_HD T log(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::logf(a);
+  else
+    return ::log(a);
+}
+template <Real T> MPMPBD_HD T floor(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::floorf(a);
+  else
+    return ::floor(a);
+}
+template <Real T> MPMPBD_HD T ceil(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::ceilf(a);
+  else
+    return ::ceil(a);
+}
+template <Real T> MPMPBD_HD T sin(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::sinf(a);
+  else
+    return ::sin(a);
+}
+template <Real T> MPMPBD_HD T cos(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::cosf(a);
+  else
+    return ::cos(a);
+}
+template <Real T> MPMPBD_HD T abs(T a) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::fabsf(a);
+  else
+    return ::fabs(a);
+}
+template <Real T> MPMPBD_HD T pow(T a, T b) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::powf(a, b);
+  else
+    return ::pow(a, b);
+}
+template <Real T> MPMPBD_HD T atan2(T y, T x) {
+  if constexpr (sizeof(T) == sizeof(float))
+    return ::atan2f(y, x);
+  else
+    return ::atan2(y, x);
+}
+template <Real T> MPMPBD_HD bool is_finite(T a) { return a - a == T(0); }
 
 template <class T> MPMPBD_HD constexpr T min(T a, T b) { return b < a ? b : a; }
 template <class T> MPMPBD_HD constexpr T max(T a, T b) { return a < b ? b : a; }

@@ -49,6 +49,14 @@ template <class M>
 concept MaterialModel = HasRole<M, role::Material> && HasName<M> && DeclaresFields<M> &&
     ComputesStress<M> && ComputesEnergy<M> && BoundsStiffness<M>;
 
+// Whether det F <= 0 is a fault for a material.
+template <class M> inline constexpr bool needs_positive_volume = [] {
+  if constexpr (requires { M::needs_positive_volume; })
+    return bool(M::needs_positive_volume);
+  else
+    return false;
+}();
+
 // A tensor-product B-spline. For a particle at f cells from the first of its `width` nodes (per axis):
 // weight(i, f), slope(i, f) = dw/dx * dx, moment(i, f) = D^-1 w (x_i - x_p) * dx, offset: the first
 // node is floor(x/dx - offset); inverse_inertia = D^-1 dx^2 (0: depends on the position).
@@ -71,7 +79,7 @@ template <class T> struct Gathered {
 };
 
 // How velocity travels between particles and grid: a particle gives v (+ C d when carries_affine),
-// and `finish(p, gathered, k)` sets its new velocity (and C).
+// and `finish(p, gathered, k)` sets its new velocity (and C). Reads and Writes are those of finish.
 template <class S>
 concept TransferScheme = HasRole<S, role::Transfer> && HasName<S> && DeclaresFields<S> &&
     requires(detail::Archetype<S>& p, Gathered<float> const& g, parameters_t<S, float> const& k) {

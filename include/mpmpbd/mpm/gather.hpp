@@ -14,9 +14,10 @@ template <class Body> struct Gather {
   using Form = typename Body::Form;
   using Material = typename Body::Material;
 
-  using Reads = union_t<typename Transfer::Reads, Fields<particle::Deformation>>;
-  using Writes =
-      union_t<typename Transfer::Writes, Fields<particle::Deformation, particle::Gradient>>;
+  using Reads =
+      union_t<typename Transfer::Reads, Fields<particle::Position, particle::Deformation>>;
+  using Writes = union_t<Fields<particle::Position>, typename Transfer::Writes,
+                         Fields<particle::Deformation, particle::Gradient>>;
 
   // Moves one particle; `grid.row(i, j, k)[n]` is the velocity of the
   // n-th node from there along x. Returns the fault bits it met.

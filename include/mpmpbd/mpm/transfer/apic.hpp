@@ -9,8 +9,8 @@ namespace mpmpbd {
 struct Apic {
   using Role = role::Transfer;
   static constexpr FixedString name = "APIC";
-  using Reads = Fields<particle::Position, particle::Velocity, particle::Mass, particle::Affine>;
-  using Writes = Fields<particle::Position, particle::Velocity, particle::Affine>;
+  using Reads = Fields<>;
+  using Writes = Fields<particle::Velocity, particle::Affine>;
   static constexpr bool carries_affine = true;
   static constexpr bool needs_moment = true;
   static constexpr bool needs_slope = false;

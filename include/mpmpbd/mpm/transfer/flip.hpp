@@ -12,8 +12,8 @@ namespace mpmpbd {
 struct Flip {
   using Role = role::Transfer;
   static constexpr FixedString name = "FLIP";
-  using Reads = Fields<particle::Position, particle::Velocity, particle::Mass>;
-  using Writes = Fields<particle::Position, particle::Velocity>;
+  using Reads = Fields<particle::Velocity>;
+  using Writes = Fields<particle::Velocity>;
   static constexpr bool carries_affine = false;
   static constexpr bool needs_moment = false;
   static constexpr bool needs_slope = false;

@@ -10,8 +10,8 @@ namespace mpmpbd {
 struct Pic {
   using Role = role::Transfer;
   static constexpr FixedString name = "PIC";
-  using Reads = Fields<particle::Position, particle::Velocity, particle::Mass>;
-  using Writes = Fields<particle::Position, particle::Velocity>;
+  using Reads = Fields<>;
+  using Writes = Fields<particle::Velocity>;
   static constexpr bool carries_affine = false;
   static constexpr bool needs_moment = false;
   static constexpr bool needs_slope = false;

@@ -10,8 +10,8 @@ namespace mpmpbd {
 struct Tpic {
   using Role = role::Transfer;
   static constexpr FixedString name = "TPIC";
-  using Reads = Fields<particle::Position, particle::Velocity, particle::Mass, particle::Affine>;
-  using Writes = Fields<particle::Position, particle::Velocity, particle::Affine>;
+  using Reads = Fields<>;
+  using Writes = Fields<particle::Velocity, particle::Affine>;
   static constexpr bool carries_affine = true;
   static constexpr bool needs_moment = false;
   static constexpr bool needs_slope = true;
