@@ -1,0 +1,84 @@
+// Fields of a rod: its beads, and the instances of each kind of constraint.
+#pragma once
+
+#include <mpmpbd/core/field.hpp>
+#include <mpmpbd/pbd/concepts.hpp>
+
+namespace mpmpbd {
+
+// The points of all threads of an environment, numbered along each thread.
+struct Beads { static constexpr FixedString name = "bead"; };
+// The instances of one kind of constraint in an environment, ordered by colour.
+template <class C> struct Instances {
+  using Constraint = C;
+  static constexpr auto name = C::name;
+};
+
+// A field whose values do not outlive a substep: memory, but no state.
+template <FixedString Name, FixedString Unit, class Shape, class Domain>
+struct Scratch : Field<Name, Unit, Shape, Domain> {
+  static constexpr bool scratch = true;
+};
+
+namespace bead {
+struct Position : Field<"x", "m", Vector, Beads> {};
+struct Velocity : Field<"v", "m/s", Vector, Beads> {};
+struct InverseMass : Field<"1/m", "1/kg", Number, Beads> {};  // 0: the bead's motion is prescribed
+struct Previous : Scratch<"x0", "m", Vector, Beads> {};       // position before the substep
+}  // namespace bead
+
+// Shapes of n numbers, also for n = 1.
+template <int n> using numbers_t = std::conditional_t<n == 1, Number, Numbers<n>>;
+template <int n> using integers_t = std::conditional_t<n == 1, Integer, Integers<n>>;
+
+namespace detail {
+template <class C> inline constexpr int parameter_slots =
+    parameter_count<C> > 0 ? static_cast<int>(parameter_count<C>) : 1;
+}  // namespace detail
+
+template <class C> struct instance {
+  // Beads it acts on, in the order of its Point unknowns.
+  struct Index : Field<"index", "1", integers_t<point_count<C> == 0 ? 1 : point_count<C>>, Instances<C>> {};
+  // One past the last instance of the same colour. Instances of a colour share no bead.
+  struct ColourEnd : Field<"colour", "1", Integer, Instances<C>> {};
+  // The numbers of C::Parameters in their order.
+  struct Parameters : Field<"k", "SI", numbers_t<detail::parameter_slots<C>>, Instances<C>> {};
+  // The generalised force along each number of C: dC^T f acts on the unknowns. [N] for lengths,
+  // [N m] for angles; a stretched Distance has f < 0, its tension is -f. Zero before a solve.
+  struct Multiplier : Field<"f", "J/C", numbers_t<C::dimension>, Instances<C>> {};
+
+  using List = std::conditional_t<(parameter_count<C> > 0),
+                                  Fields<Index, ColourEnd, Parameters, Multiplier>,
+                                  Fields<Index, ColourEnd, Multiplier>>;
+};
+
+// Reads and writes a field as a vector, whatever the number of its components.
+template <class F, class Env> MPMPBD_HD auto get_vector(Env const& env, std::int64_t slot) {
+  if constexpr (F::components == 1) {
+    using E = element_t<F, typename Env::Scalar>;
+    return Vec<E, 1>{{env.template get<F>(slot)}};
+  } else {
+    return env.template get<F>(slot);
+  }
+}
+template <class F, class Env, class E, int n>
+MPMPBD_HD void set_vector(Env const& env, std::int64_t slot, Vec<E, n> const& v) {
+  if constexpr (F::components == 1)
+    env.template set<F>(slot, v[0]);
+  else
+    env.template set<F>(slot, v);
+}
+
+// The parameters of one instance.
+template <class C, class Env> MPMPBD_HD auto load_parameters(Env const& env, std::int64_t slot) {
+  using T = typename Env::Scalar;
+  parameters_t<C, T> k{};
+  if constexpr (parameter_count<C> > 0) {
+    auto const flat = get_vector<typename instance<C>::Parameters>(env, slot);
+    auto* numbers = reinterpret_cast<T*>(&k);
+    for (int i = 0; i < static_cast<int>(parameter_count<C>); ++i) numbers[i] = flat[i];
+  }
+  return k;
+}
+
+}  // namespace mpmpbd

@@ -1,0 +1,276 @@
+// All constraints of a chain at once, by one banded elimination.
+#pragma once
+
+#include <mpmpbd/core/status.hpp>
+#include <mpmpbd/pbd/project.hpp>
+
+namespace mpmpbd {
+
+// The linear system of a chain: one row per bead and kind of constraint, in the order of beads. A row
+// whose constraint does not exist is the identity.
+template <class List> struct Chain;
+template <class... Cs> struct Chain<TypeList<Cs...>> {
+  static constexpr int kinds = sizeof...(Cs);
+  // Where kind C stands within the rows of a bead.
+  template <class C> static constexpr int place = [] {
+    int at = 0, found = 0;
+    ((std::is_same_v<C, Cs> ? (found = at++) : at++), ...);
+    return found;
+  }();
+  // Farthest row that a row shares a bead with: 1 (tridiagonal) for Distance alone, 4 (2 x 2 blocks, half
+  // bandwidth 2) for Distance with Bend.
+  static constexpr int half_band = [] {
+    int most = 1;
+    auto against = [&](int points, int place_below) {
+      ((most = (points - 1) * kinds + place<Cs> - place_below > most ? (points - 1) * kinds + place<Cs> - place_below : most), ...);
+    };
+    (against(point_count<Cs>, place<Cs>), ...);
+    return most;
+  }();
+
+  struct Band : Scratch<"band", "m/N", numbers_t<kinds * (half_band + 1)>, Beads> {};
+  template <class C> struct Gradient : Scratch<"grad", "1", numbers_t<3 * point_count<C>>, Beads> {};
+  template <class C> struct Right : Scratch<"r", "1", Number, Beads> {};      // -(C + alpha f), then the change of f
+  template <class C> struct Alpha : Scratch<"alpha", "1", Number, Beads> {};  // compliance; -1: no constraint here
+  using ScratchFields = union_t<Fields<Band>, Fields<Gradient<Cs>, Right<Cs>, Alpha<Cs>>...>;
+};
+
+// Newton steps on (grad W grad^T + alpha/dt^2) dlambda = -(C + alpha/dt^2 lambda) for the whole chain:
+// an inextensible thread of any length costs the same as a soft one, about 60 operations per bead with
+// Bend. Beads of one thread follow each other in number; several threads are several blocks.
+// Limits: constraints along a chain only. Over-determined chains: a row without a pivot keeps its
+// multiplier and sets Fault::solver. A step longer than the chain's own errors explain is shortened and
+// sets Fault::solver, so that a nearly singular chain stays bounded.
+template <int iterations_ = 2> struct DirectBanded {
+  using Role = role::Solver;
+  static constexpr FixedString name = "XPBD, direct banded";
+  static constexpr int iterations = iterations_;
+  static constexpr bool needs_chain = true;
+  template <class Set> using ScratchFields = typename Chain<typename Set::List>::ScratchFields;
+
+  template <class Set, class Team, class Env, class T, class... Cs>
+  MPMPBD_HD static std::uint32_t iterate(Team const& team, Env const& env, Tick<T> const& tick, TypeList<Cs...>) {
+    using System = Chain<typename Set::List>;
+    T const dt2 = tick.dt * tick.dt;
+    std::uint32_t faults = 0;
+    clear<System>(team, env, typename Set::List{});
+    (evaluate<System, Cs>(team, env), ...);
+    assemble<System>(team, env, dt2, typename Set::List{});
+    team.one([&] {
+      T const most = longest_step<System>(env, typename Set::List{});
+      bool const whole = eliminate<System>(env, typename Set::List{});
+      bool const full_step = shorten<System>(env, dt2, most, typename Set::List{});
+      if (!whole || !full_step) faults |= static_cast<std::uint32_t>(Fault::solver);
+    });
+    team.sync();
+    (add_multipliers<System, Cs>(team, env), ...);
+    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+      if (!(env.template get<bead::InverseMass>(b) > T(0))) return;
+      env.template set<bead::Position>(b, env.template get<bead::Position>(b) + displacement<System>(env, b, dt2, typename Set::List{}));
+    });
+    team.sync();
+    return faults;
+  }
+
+ private:
+  template <class System, class Team, class Env, class... Cs>
+  MPMPBD_HD static void clear(Team const& team, Env const& env, TypeList<Cs...>) {
+    using T = typename Env::Scalar;
+    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+      (env.template set<typename System::template Gradient<Cs>>(b, {}), ...);
+      (env.template set<typename System::template Right<Cs>>(b, T(0)), ...);
+      (env.template set<typename System::template Alpha<Cs>>(b, T(-1)), ...);
+    });
+    team.sync();
+  }
+
+  template <class C, class T, std::size_t... Is>
+  MPMPBD_HD static auto flatten(Evaluation<C, T> const& e, std::index_sequence<Is...>) {
+    Vec<T, 3 * point_count<C>> flat;
+    for (int a = 0; a < 3; ++a) ((flat[3 * static_cast<int>(Is) + a] = gradient<static_cast<int>(Is)>(e)[a]), ...);
+    return flat;
+  }
+
+  template <class System, class C, class Team, class Env>
+  MPMPBD_HD static void evaluate(Team const& team, Env const& env) {
+    using T = typename Env::Scalar;
+    detail::for_each_instance<C>(team, env, [&](std::int64_t slot) {
+      auto const one = detail::load_instance<C>(env, slot);
+      auto const b = one.beads[0];
+      env.template set<typename System::template Gradient<C>>(
+          b, flatten<C, T>(one.at, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{}));
+      env.template set<typename System::template Right<C>>(b, -(one.at.value[0] + one.compliance * one.multiplier[0]));
+      env.template set<typename System::template Alpha<C>>(b, one.compliance);
+    });
+  }
+
+  // dt^2 sum over shared beads of w grad_a . grad_b, for A at bead i and B at bead j <= i.
+  template <class System, class A, class B, class Env, class T>
+  MPMPBD_HD static T coupling(Env const& env, std::int64_t i, std::int64_t j, T dt2) {
+    auto const a = env.template get<typename System::template Gradient<A>>(i);
+    auto const b = env.template get<typename System::template Gradient<B>>(j);
+    std::int64_t const end = min(i + point_count<A>, j + point_count<B>);
+    T sum = T(0);
+    for (std::int64_t q = i; q < end; ++q) {
+      int const p = 3 * static_cast<int>(q - i), r = 3 * static_cast<int>(q - j);
+      sum += env.template get<bead::InverseMass>(q) * (a[p] * b[r] + a[p + 1] * b[r + 1] + a[p + 2] * b[r + 2]);
+    }
+    return dt2 * sum;
+  }
+
+  template <class System, class A, class B, class Env, class T, class Band>
+  MPMPBD_HD static void assemble_pair(Env const& env, std::int64_t i, T dt2, Band& band) {
+    constexpr int width = System::half_band + 1;
+    constexpr int from = System::template place<A>;
+    for (int s = 0; s < point_count<B> && i - s >= 0; ++s) {
+      int const offset = s * System::kinds + from - System::template place<B>;
+      if (offset >= 0 && offset < width && has<System, A>(env, i) && has<System, B>(env, i - s))
+        band[from * width + offset] = coupling<System, A, B>(env, i, i - s, dt2);
+    }
+  }
+  template <class System, class A, class Env, class T, class Band, class... Bs>
+  MPMPBD_HD static void assemble_row(Env const& env, std::int64_t i, T dt2, Band& band, TypeList<Bs...>) {
+    (assemble_pair<System, A, Bs>(env, i, dt2, band), ...);
+    constexpr int diagonal = System::template place<A> * (System::half_band + 1);
+    if (has<System, A>(env, i))
+      band[diagonal] += env.template get<typename System::template Alpha<A>>(i);
+    else
+      band[diagonal] = T(1);
+  }
+  template <class System, class Team, class Env, class T, class... Cs>
+  MPMPBD_HD static void assemble(Team const& team, Env const& env, T dt2, TypeList<Cs...> list) {
+    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+      value_t<typename System::Band, T> band{};
+      (assemble_row<System, Cs>(env, b, dt2, band, list), ...);
+      env.template set<typename System::Band>(b, band);
+    });
+    team.sync();
+  }
+  template <class System, class C, class Env> MPMPBD_HD static bool has(Env const& env, std::int64_t b) {
+    return !(env.template get<typename System::template Alpha<C>>(b) < 0);
+  }
+
+  template <class System, class Env, class... Cs>
+  MPMPBD_HD static auto rights(Env const& env, std::int64_t b, TypeList<Cs...>) {
+    Vec<typename Env::Scalar, System::kinds> r;
+    ((r[System::template place<Cs>] = env.template get<typename System::template Right<Cs>>(b)), ...);
+    return r;
+  }
+  template <class System, class Env, class V, class... Cs>
+  MPMPBD_HD static void set_rights(Env const& env, std::int64_t b, V const& r, TypeList<Cs...>) {
+    (env.template set<typename System::template Right<Cs>>(b, r[System::template place<Cs>]), ...);
+  }
+
+  // L D L^T of the band and both substitutions, in place; false when a row lost its pivot.
+  template <class System, class Env, class List> MPMPBD_HD static bool eliminate(Env const& env, List list) {
+    using T = typename Env::Scalar;
+    constexpr int half = System::half_band, width = half + 1, kinds = System::kinds;
+    std::int64_t const beads = env.template live<Beads>();
+    T L[half][half] = {};       // rows of L above: L[row % half][d - 1] = L(row, row - d)
+    T inverse[half] = {};       // 1/D of those rows
+    T y[half] = {};
+    bool whole = true;
+    for (std::int64_t b = 0; b < beads; ++b) {
+      auto band = env.template get<typename System::Band>(b);
+      auto r = rights<System>(env, b, list);
+      for (int a = 0; a < kinds; ++a) {
+        std::int64_t const row = b * kinds + a;
+        T raw[width] = {};      // L(row, row - d) D
+        T next[half] = {};      // L(row, row - d)
+        T pivot = band[a * width];
+        T const before = pivot;
+        T right = r[a];
+        for (int d = half; d >= 1; --d) {
+          if (row < d) continue;
+          int const above = static_cast<int>((row - d) % half);
+          T s = band[a * width + d];
+          for (int k = d + 1; k <= half && row >= k; ++k) s -= raw[k] * L[above][k - d - 1];
+          raw[d] = s;
+          next[d - 1] = s * inverse[above];
+          pivot -= s * next[d - 1];
+          right -= next[d - 1] * y[above];
+        }
+        bool const solid = pivot > T(64) * epsilon<T> * before;
+        if (!solid && before > T(0)) whole = false;
+        int const at = static_cast<int>(row % half);
+        for (int d = 0; d < half; ++d) L[at][d] = band[a * width + d + 1] = next[d];
+        inverse[at] = band[a * width] = solid ? T(1) / pivot : T(0);
+        y[at] = r[a] = right;
+      }
+      env.template set<typename System::Band>(b, band);
+      set_rights<System>(env, b, r, list);
+    }
+    T sums[half] = {};          // what the rows below take from the next ones: sums[row % half]
+    for (std::int64_t b = beads - 1; b >= 0; --b) {
+      auto const band = env.template get<typename System::Band>(b);
+      auto r = rights<System>(env, b, list);
+      for (int a = kinds - 1; a >= 0; --a) {
+        std::int64_t const row = b * kinds + a;
+        int const at = static_cast<int>(row % half);
+        r[a] = r[a] * band[a * width] - (band[a * width] > T(0) ? sums[at] : T(0));
+        sums[at] = T(0);
+        for (int d = 1; d <= half && row >= d; ++d) sums[(row - d) % half] += band[a * width + d] * r[a];
+      }
+      set_rights<System>(env, b, r, list);
+    }
+    return whole;
+  }
+
+  template <class System, class C, class Env, class T>
+  MPMPBD_HD static void add_displacement(Env const& env, std::int64_t bead_, Vec3<T>& sum) {
+    for (int s = 0; s < point_count<C> && bead_ - s >= 0; ++s) {
+      auto const g = env.template get<typename System::template Gradient<C>>(bead_ - s);
+      sum += env.template get<typename System::template Right<C>>(bead_ - s) * vec(g[3 * s], g[3 * s + 1], g[3 * s + 2]);
+    }
+  }
+  // How far the changes of the multipliers move a bead [m].
+  template <class System, class Env, class T, class... Cs>
+  MPMPBD_HD static Vec3<T> displacement(Env const& env, std::int64_t b, T dt2, TypeList<Cs...>) {
+    Vec3<T> sum{};
+    (add_displacement<System, Cs>(env, b, sum), ...);
+    return (dt2 * env.template get<bead::InverseMass>(b)) * sum;
+  }
+
+  // The lengths that the errors of a bead's constraints stand for, |C + alpha f| / |grad C| [m].
+  template <class System, class C, class Env> MPMPBD_HD static auto error_length(Env const& env, std::int64_t b) {
+    using T = typename Env::Scalar;
+    T const slope = norm(env.template get<typename System::template Gradient<C>>(b));
+    return slope > T(0) ? abs(env.template get<typename System::template Right<C>>(b)) / slope : T(0);
+  }
+  // The longest step that the chain's own errors explain: the longest chord and the sum of all errors.
+  template <class System, class Env, class... Cs> MPMPBD_HD static auto longest_step(Env const& env, TypeList<Cs...>) {
+    using T = typename Env::Scalar;
+    T chord = T(0), errors = T(0);
+    for (std::int64_t b = 0; b < env.template live<Beads>(); ++b) {
+      if (b > 0) chord = max(chord, norm(env.template get<bead::Position>(b) - env.template get<bead::Position>(b - 1)));
+      ((errors += error_length<System, Cs>(env, b)), ...);
+    }
+    return chord + errors;
+  }
+  // Shortens the step to `most` [m]; false when it had to.
+  template <class System, class Env, class T, class List>
+  MPMPBD_HD static bool shorten(Env const& env, T dt2, T most, List list) {
+    std::int64_t const beads = env.template live<Beads>();
+    T move = T(0);
+    for (std::int64_t b = 0; b < beads; ++b) move = max(move, norm(displacement<System>(env, b, dt2, list)));
+    if (move <= most) return true;
+    for (std::int64_t b = 0; b < beads; ++b) {
+      auto r = rights<System>(env, b, list);
+      if (is_finite(move)) r *= most / move;
+      else r = {};
+      set_rights<System>(env, b, r, list);
+    }
+    return false;
+  }
+
+  template <class System, class C, class Team, class Env>
+  MPMPBD_HD static void add_multipliers(Team const& team, Env const& env) {
+    detail::for_each_instance<C>(team, env, [&](std::int64_t slot) {
+      auto const first = get_vector<typename instance<C>::Index>(env, slot)[0];
+      env.template set<typename instance<C>::Multiplier>(
+          slot, env.template get<typename instance<C>::Multiplier>(slot) + env.template get<typename System::template Right<C>>(first));
+    });
+  }
+};
+
+}  // namespace mpmpbd
