@@ -1,0 +1,251 @@
+// Direct solve of a chain of beads in mixed form: new bead velocities V_k and link impulses lambda_k.
+//
+//   A_k V_k + U_k V_{k+1} + W_k V_{k+2} + (transposed terms of k-1, k-2)
+//                                       - n_k lambda_k + n_{k-1} lambda_{k-1} = r_k
+//   n_k . (V_{k+1} - V_k) - c_k lambda_k = g_k
+//
+// The mixed form keeps a stiff thread accurate in float: its stiffness enters as the compliance c_k,
+// not as a large number added to masses, and lambda is an unknown, never a small difference of lengths.
+// One pass up the chain eliminates bead k together with the link on its left. That order works for
+// inextensible links (c = 0) behind a bead of known velocity too, where a link has no other pivot.
+#pragma once
+
+#include <mpmpbd/coupling/dense_solve.hpp>
+
+namespace mpmpbd {
+
+// The matrix blocks of a bead. W couples it to the next but one and exists only where the thread bends.
+template <class T, bool bends> struct BeadBlocks {
+  Mat3<T> A, U;
+};
+template <class T> struct BeadBlocks<T, true> {
+  Mat3<T> A, U, W;
+};
+
+// The link from bead k to k+1. A gap between two threads has direction 0, compliance 1, and U = W = 0.
+template <class T> struct Link {
+  Vec3<T> direction;  // n
+  T compliance;       // c [1/kg]; 0: inextensible
+};
+
+// What elimination leaves behind for one bead: V = inverse b + edge rho, lambda = edge . b - scale rho,
+// the inverse of the bordered block [A p; p^T -gamma], where p is the left link as this bead feels it.
+template <class T, bool bends> struct BeadFactor {
+  Mat3<T> inverse, U;
+  Vec3<T> edge;
+  T scale;
+};
+template <class T> struct BeadFactor<T, true> : BeadFactor<T, false> {
+  Mat3<T> W;
+  Vec3<T> beyond;  // the left link as the next bead feels it
+};
+
+// A rigid body that ends the chain: six unknowns, velocity of its reference point and spin.
+// `swaged`: the last bead is fixed to the body at `arm` from the reference point and has no unknowns.
+template <class T> struct RigidEnd {
+  Mat<T, 6, 6> matrix;
+  Vec3<T> arm;
+  bool present, swaged;
+};
+
+template <class T, bool bends> struct ChainSystem {
+  int beads;
+  BeadBlocks<T, bends> const* blocks;  // beads
+  Link<T> const* links;                // beads - 1
+  bool const* known;                   // beads; a known velocity leaves the system, its row drops
+  RigidEnd<T> const* end;              // may be null
+};
+
+template <class T, bool bends> struct ChainFactors {
+  BeadFactor<T, bends>* beads;
+  Mat<T, 7, 7>* end;  // rigid body and the link that ends on it; needed with a rigid end
+};
+
+namespace detail {
+
+// Inverse of [A p; p^T -gamma], gamma >= 0, without subtraction: with C the cofactors of A,
+//   (A + p p^T / gamma)^-1 = (gamma C + [p]x A [p]x^T) / (gamma det A + p . C p).
+// It stays exact for gamma -> 0 and for a tiny A. A is scaled to trace 1, so that float does not underflow.
+template <class T, bool bends>
+MPMPBD_HD bool invert_bordered(Mat3<T> A, Vec3<T> const& p, T gamma, BeadFactor<T, bends>& f) {
+  T const size = trace(A);
+  if (!(size > T(0)) || !is_finite(size)) return false;
+  A *= T(1) / size;
+  gamma *= size;
+  Mat3<T> const C = cofactor(A);
+  Vec3<T> const Cp = C * p;
+  T const det = A(0, 0) * C(0, 0) + A(0, 1) * C(0, 1) + A(0, 2) * C(0, 2);
+  T const denominator = gamma * det + dot(p, Cp);
+  if (!(denominator > square(epsilon<T>) * (gamma + dot(p, p)))) return false;
+  Mat3<T> const cross_p = skew(p);
+  f.inverse = T(1) / (denominator * size) * (gamma * C - cross_p * A * cross_p);
+  f.edge = T(1) / denominator * Cp;
+  f.scale = det / denominator * size;
+  return is_finite(f.inverse) && is_finite(f.scale);
+}
+
+// A known bead: its left link alone remains.
+template <class T, bool bends>
+MPMPBD_HD bool border_of_known(Vec3<T> const& p, T gamma, BeadFactor<T, bends>& f) {
+  if (!(gamma > T(0))) return false;  // an inextensible link between two known velocities
+  f.inverse = {};
+  f.scale = T(1) / gamma;
+  f.edge = f.scale * p;
+  return true;
+}
+
+// The velocity of the swaged bead is R y, R = [I, -[arm]x]: row blocks of R^T.
+template <class T> MPMPBD_HD Vec<T, 6> lift(Vec3<T> const& arm, Vec3<T> const& a) {
+  Vec3<T> const moment = cross(arm, a);
+  return {{a[0], a[1], a[2], moment[0], moment[1], moment[2]}};
+}
+template <class T> MPMPBD_HD Vec3<T> velocity_at(Vec<T, 6> const& y, Vec3<T> const& arm) {
+  return vec(y[0], y[1], y[2]) + cross(vec(y[3], y[4], y[5]), arm);
+}
+
+template <class T>
+MPMPBD_HD bool factor_end(RigidEnd<T> const& end, Mat3<T> const& A, Vec3<T> const& p, T gamma,
+                          Mat<T, 7, 7>& m) {
+  m = {};
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) m(i, j) = end.matrix(i, j);
+  m(6, 6) = T(-1);
+  if (end.swaged) {
+    for (int j = 0; j < 6; ++j) {
+      Vec<T, 6> unit{};
+      unit[j] = T(1);
+      Vec<T, 6> const column = lift(end.arm, A * velocity_at(unit, end.arm));
+      for (int i = 0; i < 6; ++i) m(i, j) += column[i];
+    }
+    Vec<T, 6> const link = lift(end.arm, p);
+    for (int i = 0; i < 6; ++i) m(6, i) = link[i];
+    m(6, 6) = -gamma;
+  }
+  return factor_ldlt(m);
+}
+
+// How the elimination of bead k changes the rows after it.
+template <class T, bool bends> struct Carry {
+  Mat3<T> A1{}, A2{}, U1{};  // taken from A_{k+1}, A_{k+2}, U_{k+1}
+  Vec3<T> p{}, p_beyond{};   // link k as beads k+1 and k+2 feel it
+  T gamma = T(1);            // and its own pivot
+};
+
+template <class T, bool bends>
+MPMPBD_HD Carry<T, bends> eliminate(BeadFactor<T, bends> const& f, bool known, Link<T> const& link,
+                                    Carry<T, bends> const& before) {
+  Carry<T, bends> next;
+  Mat3<T> F = f.inverse * f.U;  // V_k = ... - F V_{k+1}
+  next.A1 = transpose(f.U) * F;
+  next.gamma = link.compliance + dot(link.direction, f.inverse * link.direction);
+  if constexpr (bends) {
+    next.A1 += before.A2 - f.scale * outer(f.beyond, f.beyond);
+    if (!known) {  // the left link moves this bead when the next one moves
+      Vec3<T> const Uq = transpose(f.U) * f.edge;
+      F += outer(f.edge, f.beyond);
+      next.A1 += outer(Uq, f.beyond) + outer(f.beyond, Uq);
+    }
+    next.A2 = transpose(f.W) * f.inverse * f.W;
+    next.U1 = transpose(F) * f.W;
+    next.p_beyond = transpose(f.W) * (f.inverse * link.direction);
+  }
+  next.p = link.direction + transpose(F) * link.direction;
+  return next;
+}
+
+}  // namespace detail
+
+// Eliminates the matrix. Returns false when it is singular.
+template <class T, bool bends>
+MPMPBD_HD bool factor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors) {
+  detail::Carry<T, bends> carry;
+  bool const has_end = s.end != nullptr && s.end->present;
+  bool const swaged = has_end && s.end->swaged;
+  for (int k = 0; k < s.beads; ++k) {
+    BeadFactor<T, bends>& f = factors.beads[k];
+    Mat3<T> const A = s.blocks[k].A - carry.A1;
+    f.U = s.blocks[k].U - carry.U1;
+    if constexpr (bends) {
+      f.W = s.blocks[k].W;
+      f.beyond = carry.p_beyond;
+    }
+    if (swaged && k == s.beads - 1) return detail::factor_end(*s.end, A, carry.p, carry.gamma, *factors.end);
+    bool const ok = s.known[k] ? detail::border_of_known(carry.p, carry.gamma, f)
+                               : detail::invert_bordered(A, carry.p, carry.gamma, f);
+    if (!ok) return false;
+    if (k + 1 < s.beads) carry = detail::eliminate(f, s.known[k], s.links[k], carry);
+  }
+  return !has_end || detail::factor_end(*s.end, Mat3<T>{}, Vec3<T>{}, T(1), *factors.end);
+}
+
+namespace detail {
+
+// Bead k of the forward pass: what its own right-hand side leaves in the rows after it.
+template <class T, bool bends>
+MPMPBD_HD void reduce_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> const& f, int k,
+                           Vec3<T>* r, T* g) {
+  T const rho = k > 0 ? g[k - 1] : T(0);
+  Vec3<T> const free = s.known[k] ? r[k] : f.inverse * r[k] + rho * f.edge;
+  g[k] += dot(s.links[k].direction, free);
+  if (!s.known[k + 1]) r[k + 1] -= transpose(f.U) * free;
+  if constexpr (bends) {
+    T const impulse = dot(f.edge, r[k]) - f.scale * rho;
+    if (!s.known[k + 1]) r[k + 1] -= impulse * f.beyond;
+    if (k + 2 < s.beads && !s.known[k + 2]) r[k + 2] -= transpose(f.W) * free;
+  }
+}
+
+// Bead k of the backward pass: its velocity, and the impulse of the link on its left.
+template <class T, bool bends>
+MPMPBD_HD void resolve_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> const& f, int k,
+                            Vec3<T>* r, T* g) {
+  T rho = k > 0 ? g[k - 1] : T(0);
+  Vec3<T> b = r[k];
+  if (k + 1 < s.beads) {
+    if (!s.known[k]) b += g[k] * s.links[k].direction - f.U * r[k + 1];
+    if constexpr (bends) {
+      rho -= dot(f.beyond, r[k + 1]);
+      if (!s.known[k] && k + 2 < s.beads) b -= f.W * r[k + 2];
+    }
+  }
+  if (k > 0) g[k - 1] = dot(f.edge, b) - f.scale * rho;
+  if (!s.known[k]) r[k] = f.inverse * b + rho * f.edge;
+}
+
+// The rigid body, and with it the swaged bead and the link that ends there.
+template <class T, bool bends>
+MPMPBD_HD void resolve_end(ChainSystem<T, bends> const& s, Mat<T, 7, 7> const& factor, Vec3<T>* r,
+                           T* g, Vec<T, 6>& y) {
+  int const last = s.beads - 1;
+  Vec<T, 7> x{};
+  for (int i = 0; i < 6; ++i) x[i] = y[i];
+  if (s.end->swaged) {
+    Vec<T, 6> const on_bead = lift(s.end->arm, r[last]);
+    for (int i = 0; i < 6; ++i) x[i] += on_bead[i];
+    if (last > 0) x[6] = g[last - 1];
+  }
+  solve_ldlt(factor, x);
+  for (int i = 0; i < 6; ++i) y[i] = x[i];
+  if (!s.end->swaged) return;
+  r[last] = velocity_at(y, s.end->arm);
+  if (last > 0) g[last - 1] = x[6];
+}
+
+}  // namespace detail
+
+// Solves with the factors of factor_chain. In: r = right-hand side (velocity where known), g per link,
+// y = right-hand side of the rigid body. Out: r = velocities, g = link impulses, y = body velocity, spin.
+template <class T, bool bends>
+MPMPBD_HD void solve_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
+                           Vec3<T>* r, T* g, Vec<T, 6>* y = nullptr) {
+  for (int k = 0; k + 1 < s.beads; ++k) detail::reduce_bead(s, factors.beads[k], k, r, g);
+  bool const has_end = s.end != nullptr && s.end->present;
+  int remaining = s.beads;
+  if (has_end) {
+    detail::resolve_end(s, *factors.end, r, g, *y);
+    if (s.end->swaged) remaining -= 1;
+  }
+  for (int k = remaining - 1; k >= 0; --k) detail::resolve_bead(s, factors.beads[k], k, r, g);
+}
+
+}  // namespace mpmpbd

@@ -1,0 +1,221 @@
+// The mixed chain solve against one dense matrix.
+#include "catch.hpp"
+
+#include <cstring>
+
+#include "coupling/random_chain.hpp"
+
+namespace {
+
+using test::ChainOptions;
+using test::Ends;
+
+struct Errors {
+  double velocity = 0;  // against the dense solution, relative to the largest velocity
+  double impulse = 0;   // the same for link impulses
+  double residual = 0;  // backward error: |M x - b| / (|M| |x| + |b|), largest entries
+  int solved = 0;
+};
+
+// Solves one random chain both ways and keeps the largest errors.
+template <class T, bool bends> void compare(std::mt19937& random, ChainOptions const& o, Errors& worst) {
+  auto c = test::random_chain<T, bends>(random, o);
+  test::DenseChain<T, bends> const dense(c);
+  auto V = c.r;
+  auto lambda = c.g;
+  auto y = c.y;
+  if (!mpmpbd::factor_chain(c.system(), c.storage())) {
+    // Refused chains must really be singular: a link that cannot stretch between two held beads.
+    Eigen::JacobiSVD<Eigen::MatrixXd> const svd(dense.matrix);
+    CAPTURE(svd.singularValues().minCoeff(), o.beads, o.inextensible, int(o.ends));
+    REQUIRE(svd.singularValues().minCoeff() < 100 * mpmpbd::epsilon<T> * svd.singularValues().maxCoeff());
+    return;
+  }
+  mpmpbd::solve_chain(c.system(), c.storage(), V.data(), lambda.data(), &y);
+
+  Eigen::VectorXd const exact = dense.matrix.fullPivLu().solve(dense.rhs);
+  Eigen::VectorXd found = exact;
+  int const n = c.beads();
+  double speed = 0, pull = 0;
+  for (int k = 0; k < n; ++k) {
+    auto const i = static_cast<std::size_t>(k);
+    bool const swaged = c.end.swaged && k == n - 1;
+    if (!swaged) {
+      found.segment<3>(dense.bead(k)) = test::eigen(V[i]);
+      speed = std::max(speed, exact.segment<3>(dense.bead(k)).norm());
+      worst.velocity = std::max(
+          worst.velocity,
+          (exact - found).segment<3>(dense.bead(k)).norm() / std::max(1.0, exact.head(3 * n).norm()));
+    }
+    if (k + 1 < n) {
+      found(dense.link(k)) = double(lambda[i]);
+      pull = std::max(pull, std::abs(exact(dense.link(k))));
+    }
+  }
+  if (c.end.present)
+    for (int i = 0; i < 6; ++i) found(dense.body() + i) = double(y[i]);
+  for (int k = 0; k + 1 < n; ++k)
+    worst.impulse = std::max(
+        worst.impulse, std::abs((exact - found)(dense.link(k))) / std::max(1.0, pull));
+  Eigen::VectorXd const residual = dense.matrix * found - dense.rhs;
+  double const size = dense.matrix.cwiseAbs().rowwise().sum().maxCoeff() * found.cwiseAbs().maxCoeff() +
+                      dense.rhs.cwiseAbs().maxCoeff();
+  worst.residual = std::max(worst.residual, residual.cwiseAbs().maxCoeff() / size);
+  worst.solved += 1;
+}
+
+template <class T, bool bends> Errors survey(ChainOptions const& o, int count = 400) {
+  std::mt19937 random(7);
+  Errors worst;
+  for (int i = 0; i < count; ++i) compare<T, bends>(random, o, worst);
+  return worst;
+}
+
+template <class T, bool bends> void check(ChainOptions const& o, double residual, double error) {
+  Errors const e = survey<T, bends>(o);
+  CAPTURE(o.beads, o.inextensible, o.straight, int(o.ends), e.velocity, e.impulse, e.residual);
+  CHECK(e.solved > 250);
+  CHECK(e.residual < residual);
+  CHECK(e.velocity < error);
+  CHECK(e.impulse < error);
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE_SIG("a chain solve equals the dense solve", "[coupling][chain]",
+                       ((bool bends), bends), false, true) {
+  for (Ends ends : {Ends::free, Ends::body, Ends::swaged})
+    for (bool inextensible : {false, true}) {
+      ChainOptions o;
+      o.ends = ends;
+      o.inextensible = inextensible;
+      check<double, bends>(o, 1e-9, 1e-5);  // light beads, some in no contact: ill-conditioned
+      o.mass_low = 1e-1;
+      check<double, bends>(o, 1e-12, 1e-9);
+      o.beads = 3;
+      check<double, bends>(o, 1e-12, 1e-9);
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("a straight inextensible chain behind a known bead is solved", "[coupling][chain]",
+                       ((bool bends), bends), false, true) {
+  std::mt19937 random(3);
+  Errors worst;
+  for (int i = 0; i < 200; ++i) {
+    ChainOptions o;
+    o.straight = o.inextensible = true;
+    o.known = o.gaps = false;
+    auto c = test::random_chain<double, bends>(random, o);
+    c.known_bytes[0] = 1;
+    test::DenseChain<double, bends> const dense(c);
+    auto V = c.r;
+    auto lambda = c.g;
+    REQUIRE(mpmpbd::factor_chain(c.system(), c.storage()));
+    mpmpbd::solve_chain(c.system(), c.storage(), V.data(), lambda.data());
+    Eigen::VectorXd const exact = dense.matrix.fullPivLu().solve(dense.rhs);
+    for (std::size_t k = 0; k < V.size(); ++k)
+      REQUIRE((exact.segment<3>(3 * int(k)) - test::eigen(V[k])).norm() < 1e-7 * exact.norm());
+  }
+}
+
+TEMPLATE_TEST_CASE_SIG("in float the equations hold to rounding", "[coupling][chain]",
+                       ((bool bends), bends), false, true) {
+  for (Ends ends : {Ends::free, Ends::swaged})
+    for (bool inextensible : {false, true}) {
+      ChainOptions o;
+      o.ends = ends;
+      o.inextensible = inextensible;
+      o.mass_low = 1e-1;
+      check<float, bends>(o, 1e-5, 3e-2);
+      o.held_by_tissue = true;  // the case that matters: a light thread, all of it in tissue
+      o.mass_low = 1e-4;
+      check<float, bends>(o, 1e-5, 5e-4);
+    }
+}
+
+// The alternative that the mixed form replaces: stiffness added to masses. It must be visibly worse in
+// float, otherwise the mixed form would not be worth its links.
+TEST_CASE("float needs the mixed form", "[coupling][chain]") {
+  int const n = 16;
+  float const mass = 1e-4f, stiff = 3e4f;  // dt^2 EA / l0 in node masses
+  test::RandomChain<float, false> c;
+  c.blocks.resize(n);
+  c.links.resize(n);
+  c.known_bytes.assign(n, 0);
+  c.g.assign(n, 0.0f);
+  c.factors.resize(n);
+  c.r.resize(n);
+  auto const x = mpmpbd::vec(1.0f, 0.0f, 0.0f);
+  for (std::size_t k = 0; k < n; ++k) {
+    c.blocks[k].A = mass * mpmpbd::Mat3<float>::identity();
+    c.links[k] = {x, 1 / stiff};
+  }
+  c.r[0] = -1.0f * x;  // the chain is pulled at one end with 1 and drawn along at the other
+  c.r[n - 1] = -10.0f * x;
+  c.known_bytes[n - 1] = 1;
+  auto V = c.r;
+  auto lambda = c.g;
+  REQUIRE(mpmpbd::factor_chain(c.system(), c.storage()));
+  mpmpbd::solve_chain(c.system(), c.storage(), V.data(), lambda.data());
+  test::DenseChain<float, false> const dense(c);
+  Eigen::VectorXd const exact = dense.matrix.fullPivLu().solve(dense.rhs);
+
+  Eigen::VectorXf diagonal = Eigen::VectorXf::Constant(n, mass), b = Eigen::VectorXf::Zero(n), v(n);
+  for (int k = 0; k + 1 < n; ++k) {
+    diagonal(k) += stiff;
+    diagonal(k + 1) += stiff;
+  }
+  b(0) = -1;
+  for (int k = 1; k < n - 1; ++k) {  // Thomas; the last bead is known
+    float const f = stiff / diagonal(k - 1);
+    diagonal(k) -= f * stiff;
+    b(k) += f * b(k - 1);
+  }
+  v(n - 1) = -10;
+  for (int k = n - 2; k >= 0; --k) v(k) = (b(k) + stiff * v(k + 1)) / diagonal(k);
+
+  double mixed = 0, plain = 0;
+  for (int k = 0; k + 1 < n; ++k) {
+    double const pull = exact(dense.link(k));
+    mixed = std::max(mixed, std::abs(double(lambda[std::size_t(k)]) / pull - 1));
+    plain = std::max(plain, std::abs(double(stiff * (v(k + 1) - v(k))) / pull - 1));
+  }
+  CAPTURE(mixed, plain);
+  CHECK(mixed < 1e-5);
+  CHECK(plain > 1e-3);
+}
+
+TEST_CASE("a singular chain is refused", "[coupling][chain]") {
+  std::mt19937 random(5);
+  ChainOptions o;
+  o.known = o.gaps = false;
+  o.inextensible = true;
+  auto c = test::random_chain<double, false>(random, o);
+  c.known_bytes[4] = c.known_bytes[5] = 1;
+  REQUIRE_FALSE(mpmpbd::factor_chain(c.system(), c.storage()));
+
+  auto massless = test::random_chain<double, false>(random, o);
+  for (auto& b : massless.blocks) b = {};
+  REQUIRE_FALSE(mpmpbd::factor_chain(massless.system(), massless.storage()));
+}
+
+TEST_CASE("chains separated by a gap do not see each other", "[coupling][chain]") {
+  std::mt19937 random(11);
+  ChainOptions o;
+  o.known = o.gaps = false;
+  auto c = test::random_chain<double, false>(random, o);
+  c.links[5] = {{}, 1.0};
+  c.g[5] = 0;
+  c.blocks[5].U = {};
+  auto const solve = [](auto chain) {
+    REQUIRE(mpmpbd::factor_chain(chain.system(), chain.storage()));
+    mpmpbd::solve_chain(chain.system(), chain.storage(), chain.r.data(), chain.g.data());
+    return chain;
+  };
+  auto const before = solve(c);
+  for (std::size_t k = 6; k < c.r.size(); ++k) c.r[k] += mpmpbd::vec(1.0, 2.0, 3.0);
+  auto const after = solve(c);
+  for (std::size_t k = 0; k <= 5; ++k) REQUIRE(before.r[k] == after.r[k]);
+  REQUIRE(before.g[5] == 0.0);
+  for (std::size_t k = 6; k < c.r.size(); ++k) REQUIRE_FALSE(before.r[k] == after.r[k]);
+}
