@@ -65,10 +65,11 @@ cd "$root"
 purpose='test'
 [[ $preset == tsan || $preset == clang ]] && purpose='ci'
 if [[ $setup == yes ]]; then
-  if [[ ${cuda,,} == off || $preset == clang || $preset == debug ]]; then
-    step "set-up" scripts/setup.sh $purpose --no-cuda
+  # A run that compiles no .cu uses the CUDA compiler that is there, but does not fetch one.
+  if [[ ${cuda,,} == off || $preset =~ ^(clang|debug)$ || ($tiers == unit && -z $cuda) ]]; then
+    step "set-up" scripts/setup.sh "$purpose" --no-cuda
   else
-    step "set-up" scripts/setup.sh $purpose
+    step "set-up" scripts/setup.sh "$purpose"
   fi
 fi
 
