@@ -3,6 +3,7 @@
 
 #include <mpmpbd/backend/grid.hpp>
 #include <mpmpbd/backend/serial.hpp>
+#include <mpmpbd/coupling/team.hpp>
 #include <mpmpbd/mpm/time_step.hpp>
 #include <mpmpbd/scene/scene.hpp>
 
@@ -20,6 +21,7 @@ template <class T, class NodeFields> struct Workspace {
       previous;
   std::vector<Tile<T>> tiles;
   std::vector<std::uint32_t> faults;  // per chunk
+  std::uint32_t faults_together = 0;  // of stages that run over the whole environment
 
   void prepare(Lattice<T> const& lattice, std::int64_t chunks) {
     auto const n = static_cast<std::size_t>(lattice.count());
@@ -48,10 +50,11 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   std::uint32_t substep(Tick<T> const& tick) {
     context_.tick = tick;
     for (auto& f : work_.faults) f = 0;
+    work_.faults_together = 0;
     for_each_type(typename Scene::Substep::Stages{}, [&]<class Stage>(std::type_identity<Stage>) {
       run<Stage>(typename Stage::Kind{});
     });
-    std::uint32_t faults = 0;
+    std::uint32_t faults = work_.faults_together;
     for (auto f : work_.faults) faults |= f;
     return faults;
   }
@@ -148,6 +151,11 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     });
   }
 
+  template <class Stage> void run(kind::Together) {
+    auto const env = access_environment(state_, env_, typename Store::Domains{});
+    work_.faults_together |= Stage::run(Solo{}, env, context_);
+  }
+
   NodeBox box_of(std::int64_t c) const {
     using Shape = typename Scene::Body::Shape;
     auto const view = state_.template view<Particles>();
@@ -160,7 +168,8 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     return box;
   }
 
-  template <std::vector<Quad<T>> Tile<T>::*member> void sum_tiles(Quad<T>* row, int j, int k) const {
+  template <std::vector<Quad<T>> Tile<T>::*member>
+  void sum_tiles(Quad<T>* row, int j, int k) const {
     for (int i = 0; i < context_.lattice.nodes[0]; ++i) row[i] = quad<T>(0, 0, 0, 0);
     for (auto const& tile : work_.tiles) {
       if (!tile.has_row(j, k)) continue;

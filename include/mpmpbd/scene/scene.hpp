@@ -6,6 +6,7 @@
 
 #include <mpmpbd/core/state.hpp>
 #include <mpmpbd/scene/pipeline.hpp>
+#include <mpmpbd/scene/rod_stage.hpp>
 #include <mpmpbd/scene/stage.hpp>
 
 namespace mpmpbd {
@@ -34,6 +35,23 @@ template <class Body, class Effects> struct MpmStages {
 template <class Effects> struct MpmStages<Absent, Effects> {
   using Before = TypeList<>;
   using After = TypeList<>;
+};
+
+template <class Rods, class Effects> struct RodStages {
+  using type = TypeList<MoveRods<Rods, Effects>>;
+};
+template <class Effects> struct RodStages<Absent, Effects> { using type = TypeList<>; };
+
+// Effects of a scene, and the second halves of those that act on beads too when there are any.
+template <class Effects, bool beads> struct WithBeads { using type = Effects; };
+template <class E> struct OnBeadsOf { using type = TypeList<>; };
+template <class E>
+  requires requires { typename E::OnBeads; }
+struct OnBeadsOf<E> {
+  using type = TypeList<typename E::OnBeads>;
+};
+template <class... Es> struct WithBeads<TypeList<Es...>, true> {
+  using type = join_t<TypeList<Es...>, typename OnBeadsOf<Es>::type...>;
 };
 
 // Stored fields that outlive a substep: all but those of the grid, which is scratch.
@@ -65,16 +83,23 @@ template <class... Parts> struct Scene {
           0,
       "mpmpbd Scene<...>: a material, shape function, transfer scheme or force form belongs into the body; write Scene<Mpm<NeoHookean, ...>, ...>");
 
-  using Body = pick_t<role::Mpm, detail::Absent, Parts...>;
-  using Effects = of_role_t<role::Effect, Parts...>;
-  static_assert(detail::check_effects(Effects{}));
+  static_assert(detail::count_role<role::Pbd, Parts...> < 2,
+                "mpmpbd Scene<...>: more than one Pbd body given; a scene has one, its threads are "
+                "chains of the same beads");
 
+  using Body = pick_t<role::Mpm, detail::Absent, Parts...>;
+  using Rods = pick_t<role::Pbd, detail::Absent, Parts...>;
   static constexpr bool has_body = detail::present<Body>;
+  static constexpr bool has_rods = detail::present<Rods>;
+
+  using Effects = typename detail::WithBeads<of_role_t<role::Effect, Parts...>, has_rods>::type;
+  static_assert(detail::check_effects(Effects{}));
 
   using Policies = join_t<typename detail::LeavesOf<Parts>::type...>;
   using Mpm = detail::MpmStages<Body, Effects>;
-  using Substep =
-      typename detail::PipelineOf<join_t<typename Mpm::Before, typename Mpm::After>>::type;
+  using Substep = typename detail::PipelineOf<
+      join_t<typename Mpm::Before, typename detail::RodStages<Rods, Effects>::type,
+             typename Mpm::After>>::type;
   using NodeFields = on_t<stored_t<typename Substep::AllFields>, Nodes>;
   using StateFields = union_t<EnvironmentFields, typename detail::ParameterFields<Policies>::type,
                               typename detail::StateOf<typename Substep::AllFields>::type>;

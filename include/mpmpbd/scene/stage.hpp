@@ -73,7 +73,7 @@ template <class... Ps> struct WritesOf<TypeList<Ps...>> {
 // Applies the effects of a list to one item, in the order of the scene.
 template <class Item, class Ctx, class... Es>
 MPMPBD_HD void apply_effects(TypeList<Es...>, Item& item, Ctx const& context) {
-  (Es::apply(item, context.template of<Es>(), context.tick), ...);
+  (Es::apply(item, context.template of<parameter_owner_t<Es>>(), context.tick), ...);
 }
 }  // namespace detail
 
