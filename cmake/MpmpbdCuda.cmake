@@ -1,6 +1,7 @@
 # Decides MPMPBD_CUDA = AUTO | ON | OFF and sets MPMPBD_HAS_CUDA.
 #
 # A toolkit is enough: no GPU is needed to configure or to compile.
+include(MpmpbdFindCudaToolkit)
 
 # 12.4 is the first nvcc whose C++20 compiles our headers; Debian 12 packages 11.8.
 set(MPMPBD_CUDA_MINIMUM 12.4)
@@ -79,7 +80,7 @@ else()
 
   if("CUDA" IN_LIST _languages OR CMAKE_CUDA_COMPILER)
     enable_language(CUDA)
-    find_package(CUDAToolkit QUIET)
+    mpmpbd_find_cuda_toolkit()
     if(CMAKE_CUDA_COMPILER_VERSION VERSION_LESS MPMPBD_CUDA_MINIMUM)
       _mpmpbd_without_cuda(
         "${CMAKE_CUDA_COMPILER} is version ${CMAKE_CUDA_COMPILER_VERSION}, older than ${MPMPBD_CUDA_MINIMUM}")

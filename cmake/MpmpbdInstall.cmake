@@ -31,6 +31,7 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/mpmpbd-config-version.cm
 install(FILES
   "${PROJECT_BINARY_DIR}/mpmpbd-config.cmake"
   "${PROJECT_BINARY_DIR}/mpmpbd-config-version.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/MpmpbdFindCudaToolkit.cmake"
   DESTINATION "${_package_dir}")
 
 if(PROJECT_IS_TOP_LEVEL)
