@@ -6,13 +6,18 @@
 #include <mpmpbd/core/local.hpp>
 #include <mpmpbd/core/parameters.hpp>
 #include <mpmpbd/core/role.hpp>
+#include <mpmpbd/core/tick.hpp>
 
 namespace mpmpbd {
 
-// Bounds of dtau/dL at the current deformation [Pa]: what the time step limit needs.
+// Bounds of the tangent at the current deformation [Pa]: what the time step limit needs. Either may be
+// the larger one: in strong compression waves stiffen more than a single particle does.
 template <class T> struct Stiffness {
+  // Largest a.(dtau[a x n] - tau n x a) n over unit vectors: rho0 c^2 of the fastest wave.
   T longitudinal;  // lambda + 2 mu at rest
-  T bulk3;         // 3 K = 3 lambda + 2 mu at rest: the isotropic mode of a single particle
+  // Largest eigenvalue of the symmetric part of dtau/dL (9x9): omega^2 = bulk3 / (rho0 D) of the
+  // fastest mode of a single particle.
+  T bulk3;  // 3 K = 3 lambda + 2 mu at rest
 };
 
 template <class P> concept HasName = requires {
@@ -24,6 +29,20 @@ template <class P> concept DeclaresFields = requires {
 };
 
 namespace detail {
+// Whether M has any member called after_update, callable or not: a derived class with a second one of
+// that name makes it ambiguous.
+struct HasAfterUpdate {
+  int after_update;
+};
+template <class M> struct BothUpdates : M, HasAfterUpdate {};
+template <class M>
+inline constexpr bool names_after_update = [] {
+  if constexpr (std::is_final_v<M>)
+    return false;
+  else
+    return !requires { &BothUpdates<M>::after_update; };
+}();
+
 // An item with exactly the fields that policy P declares.
 template <class P, class T = float>
 using Archetype = Local<T, union_t<typename P::Reads, typename P::Writes>>;
@@ -38,19 +57,26 @@ concept ComputesEnergy = requires(detail::Archetype<M> const& p, parameters_t<M,
   { M::energy(p, k) } -> std::same_as<float>;
 };
 template <class M>
+concept UpdatesHistory = requires(detail::Archetype<M>& p, parameters_t<M, float> const& k,
+                                  Tick<float> const& tick) {
+  M::after_update(p, k, tick);
+};
+template <class M>
 concept BoundsStiffness = requires(detail::Archetype<M> const& p, parameters_t<M, float> const& k) {
   { M::stiffness(p, k) } -> std::same_as<Stiffness<float>>;
 };
 
 // A hyperelastic (or fluid) constitutive law. `kirchhoff(p, k)` -> tau = P F^T = J sigma [Pa];
-// `energy(p, k)` [J/m^3 at rest]; `stiffness(p, k)` [Pa]; optional `after_update(p, k, tick)` for a
-// law with history, and `static constexpr bool needs_positive_volume` when det F <= 0 is a fault.
+// `energy(p, k)` [J/m^3 at rest]; `stiffness(p, k)` [Pa]; optional `after_update(p, k, tick)`, called
+// when F is new, for a law with history (it may write the fields that it declares in Writes), and
+// `static constexpr bool needs_positive_volume` when det F <= 0 is a fault.
 template <class M>
 concept MaterialModel = HasRole<M, role::Material> && HasName<M> && DeclaresFields<M> &&
     ComputesStress<M> && ComputesEnergy<M> && BoundsStiffness<M>;
 
 // Whether det F <= 0 is a fault for a material.
-template <class M> inline constexpr bool needs_positive_volume = [] {
+template <class M>
+inline constexpr bool needs_positive_volume = [] {
   if constexpr (requires { M::needs_positive_volume; })
     return bool(M::needs_positive_volume);
   else
@@ -111,6 +137,9 @@ template <class M> consteval bool check_material() {
   static_assert(
       BoundsStiffness<M>,
       "mpmpbd MaterialModel: bound the stiffness [Pa] for the time step: `template <class P, class K> MPMPBD_HD static auto stiffness(P const& p, K const& k)` returning Stiffness<typename P::Scalar>");
+  static_assert(
+      UpdatesHistory<M> || !detail::names_after_update<M>,
+      "mpmpbd MaterialModel: after_update cannot be called; write `template <class P, class K, class T> MPMPBD_HD static void after_update(P& p, K const& k, Tick<T> const& tick)`");
   return MaterialModel<M>;
 }
 
