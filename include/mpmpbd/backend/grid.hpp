@@ -18,7 +18,15 @@ inline constexpr std::int64_t chunk_size = 1024;
 struct NodeBox {
   int low[3] = {0, 0, 0};
   int high[3] = {0, 0, 0};
-  bool empty() const { return high[0] <= low[0]; }
+  MPMPBD_HD bool empty() const { return high[0] <= low[0]; }
+  MPMPBD_HD bool has_row(int j, int k) const {
+    return !empty() && j >= low[1] && j < high[1] && k >= low[2] && k < high[2];
+  }
+  // Place of the first node of a row in an array of the box's nodes, x fastest.
+  MPMPBD_INLINE std::int64_t row(int j, int k) const {
+    return (high[0] - low[0]) *
+           ((j - low[1]) + static_cast<std::int64_t>(high[1] - low[1]) * (k - low[2]));
+  }
   void include(int const (&base)[3], int width) {
     bool const first = empty();
     for (int a = 0; a < 3; ++a) {
@@ -41,14 +49,6 @@ template <class T> struct Tile {
     sums.assign(n, quad<T>(0, 0, 0, 0));
     if (with_previous) previous.assign(n, quad<T>(0, 0, 0, 0));
   }
-  std::int64_t row(int j, int k) const {
-    return (box.high[0] - box.low[0]) *
-           ((j - box.low[1]) +
-            static_cast<std::int64_t>(box.high[1] - box.low[1]) * (k - box.low[2]));
-  }
-  bool has_row(int j, int k) const {
-    return !box.empty() && j >= box.low[1] && j < box.high[1] && k >= box.low[2] && k < box.high[2];
-  }
 };
 
 // What a scatter adds to: a row of nodes along x.
@@ -61,10 +61,15 @@ template <class T> struct SumRow {
   }
 };
 template <class T> struct TileWriter {
-  Tile<T>* tile;
+  NodeBox box;
+  Quad<T>* sums;
+  Quad<T>* previous;
+
+  explicit TileWriter(Tile<T>& tile)
+      : box(tile.box), sums(tile.sums.data()), previous(tile.previous.data()) {}
   MPMPBD_INLINE SumRow<T> row(int i, int j, int k) const {
-    auto const at = tile->row(j, k) + (i - tile->box.low[0]);
-    return {tile->sums.data() + at, tile->previous.empty() ? nullptr : tile->previous.data() + at};
+    auto const at = box.row(j, k) + (i - box.low[0]);
+    return {sums + at, previous == nullptr ? nullptr : previous + at};
   }
 };
 

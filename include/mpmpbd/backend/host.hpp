@@ -105,7 +105,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     lanes_.for_each(chunks(), [&](std::int64_t c, int) {
       auto& tile = work_.tiles[static_cast<std::size_t>(c)];
       tile.clear_to(box_of(c), needs_previous);
-      TileWriter<T> const sums{&tile};
+      TileWriter<T> const sums(tile);
       std::uint32_t faults = 0;
       for_chunk(c, [&](std::int64_t index) {
         Local<T, Used> p;
@@ -172,8 +172,8 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   void sum_tiles(Quad<T>* row, int j, int k) const {
     for (int i = 0; i < context_.lattice.nodes[0]; ++i) row[i] = quad<T>(0, 0, 0, 0);
     for (auto const& tile : work_.tiles) {
-      if (!tile.has_row(j, k)) continue;
-      auto const* from = (tile.*member).data() + tile.row(j, k);
+      if (!tile.box.has_row(j, k)) continue;
+      auto const* from = (tile.*member).data() + tile.box.row(j, k);
       for (int i = tile.box.low[0]; i < tile.box.high[0]; ++i)
         row[i] = row[i] + from[i - tile.box.low[0]];
     }

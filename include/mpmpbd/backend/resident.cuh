@@ -113,4 +113,49 @@ __device__ __forceinline__ void move_nodes(Arena const& arena, Ctx const& contex
   }
 }
 
+// The particles of one environment, shared among the threads of a block. Every pass returns the faults
+// that this thread met.
+template <class ParticleView> struct Block {
+  ParticleView view;
+  std::int64_t first;
+  int live;
+
+  template <class Stage, class Sums, class Ctx>
+  __device__ __forceinline__ unsigned scatter(Sums const& sums, Ctx const& context) const {
+    return pass<Stage>([&](auto& p) { return Stage::run(p, sums, context); });
+  }
+  template <class Stage, class Nodes, class Ctx>
+  __device__ __forceinline__ unsigned gather(Nodes const& nodes, Ctx const& context) const {
+    return pass<Stage>([&](auto& p) { return Stage::run(p, nodes, context); });
+  }
+  template <class GatherStage, class ScatterStage, class Nodes, class Sums, class Ctx>
+  __device__ __forceinline__ unsigned gather_scatter(Nodes const& nodes, Sums const& sums,
+                                                     Ctx const& context) const {
+    using Plan = Fused<GatherStage, ScatterStage>;
+    return pass<typename Plan::Used, typename Plan::Loads, typename Plan::Keeps>([&](auto& p) {
+      unsigned const faults = GatherStage::run(p, nodes, context);
+      return faults | ScatterStage::run(p, sums, context);
+    });
+  }
+
+ private:
+  template <class Stage, class Function>
+  __device__ __forceinline__ unsigned pass(Function const& f) const {
+    using Reads = on_t<typename Stage::Reads, Particles>;
+    using Writes = on_t<typename Stage::Writes, Particles>;
+    return pass<union_t<Reads, Writes>, stored_t<Reads>, stored_t<Writes>>(f);
+  }
+  template <class Used, class Loads, class Keeps, class Function>
+  __device__ __forceinline__ unsigned pass(Function const& f) const {
+    unsigned faults = 0;
+    for (int slot = threadIdx.x; slot < live; slot += blockDim.x) {
+      Local<float, Used> p;
+      p.load(view, first + slot, Loads{});
+      faults |= f(p);
+      p.store(view, first + slot, Keeps{});
+    }
+    return faults;
+  }
+};
+
 }  // namespace mpmpbd::resident

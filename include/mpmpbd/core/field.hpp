@@ -119,9 +119,9 @@ template <class List, class Without>
 using minus_t =
     typename detail::Filter<Fields<>, detail::NotIn<Without>::template Test, List>::type;
 
-// Calls f(F{}) for every field of a list, in order.
+// Calls f(F{}) for every field of a list, in order (host).
 template <class... Fs, class Function>
-MPMPBD_HD constexpr void for_each_field(Fields<Fs...>, Function&& f) {
+constexpr void for_each_field(Fields<Fs...>, Function&& f) {
   (f(Fs{}), ...);
 }
 

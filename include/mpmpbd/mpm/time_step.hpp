@@ -44,6 +44,12 @@ template <class Shape, class Form> constexpr double gradient_stiffness() {
   return largest;
 }
 
+namespace detail {
+// A constant, because device code may not call a constexpr host function.
+template <class Shape, class Form>
+inline constexpr double gradient_stiffness_of = gradient_stiffness<Shape, Form>();
+}  // namespace detail
+
 // What bounds the step of one environment; maxima over its particles.
 template <class T> struct StepBounds {
   T frequency2 = T(0);  // k / rho0 [m^2/s^2]
@@ -71,7 +77,8 @@ MPMPBD_HD StepBounds<typename P::Scalar> step_bounds(P const& p, K const& materi
 
 // The longest stable step [s] of elastic waves, without the safety factor.
 template <class Body, class T> MPMPBD_HD T elastic_limit(StepBounds<T> const& b, T dx) {
-  constexpr double G = gradient_stiffness<typename Body::Shape, typename Body::Form>();
+  constexpr double G =
+      detail::gradient_stiffness_of<typename Body::Shape, typename Body::Form>;
   return b.frequency2 > T(0) ? T(2) * dx / sqrt(T(G) * b.frequency2) : T(1e30);
 }
 

@@ -14,10 +14,9 @@ MPMPBD_HD void apply_to_beads(Team const& team, Env const& env, Ctx const& conte
   using Used = union_t<typename E::Reads, typename E::Writes>;
   team.each(static_cast<int>(env.template live<Beads>()), [&](std::int64_t b) {
     Local<T, Used> item;
-    for_each_field(stored_t<Used>{}, [&]<class F>(F f) { item[f] = env.template get<F>(b); });
+    item.load(env, b, stored_t<Used>{});
     E::apply(item, context.template of<parameter_owner_t<E>>(), context.tick);
-    for_each_field(stored_t<typename E::Writes>{},
-                   [&]<class F>(F f) { env.template set<F>(b, item[f]); });
+    item.store(env, b, stored_t<typename E::Writes>{});
   });
   team.sync();
 }
