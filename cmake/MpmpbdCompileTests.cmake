@@ -66,6 +66,8 @@ endfunction()
 function(mpmpbd_add_header_tests include_dir)
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE "${include_dir}"
     "${include_dir}/mpmpbd/*.hpp" "${include_dir}/mpmpbd/*.cuh")
+  set(compile "${CMAKE_CXX_COMPILER}" -std=c++20 ${MPMPBD_CXX_WARNINGS} ${MPMPBD_LIBRARY_WARNINGS}
+    -Werror ${MPMPBD_INCLUDE_FLAGS} -x c++ -fsyntax-only)
   foreach(header IN LISTS headers)
     if(header MATCHES "\\.cuh$")
       if(NOT MPMPBD_HAS_CUDA)
@@ -76,12 +78,23 @@ function(mpmpbd_add_header_tests include_dir)
       set(command "${CMAKE_CUDA_COMPILER}" -std=c++20 -arch=sm_${arch} ${MPMPBD_CUDA_DIAGNOSTICS}
         --Werror=all-warnings ${MPMPBD_INCLUDE_FLAGS} -x cu -ptx -o /dev/null -include "${header}")
     else()
-      set(command "${CMAKE_CXX_COMPILER}" -std=c++20 ${MPMPBD_CXX_WARNINGS} -Werror
-        ${MPMPBD_INCLUDE_FLAGS} -x c++ -fsyntax-only -include "${header}")
+      set(command ${compile} -include "${header}")
     endif()
     string(REGEX REPLACE "^mpmpbd/" "headers/" name "${header}")
     add_test(NAME "${name}" COMMAND ${command} /dev/null COMMAND_EXPAND_LISTS)
     set_tests_properties("${name}" PROPERTIES LABELS headers TIMEOUT 120)
+  endforeach()
+
+  # All together, in both orders: a name that two headers define, or one that leans on another.
+  list(FILTER headers INCLUDE REGEX "\\.hpp$")
+  list(TRANSFORM headers REPLACE "(.+)" "#include <\\1>")
+  foreach(order IN ITEMS forward backward)
+    list(JOIN headers "\n" text)
+    file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/all_${order}.cpp" CONTENT "${text}\n" @ONLY)
+    add_test(NAME "headers/all ${order}"
+      COMMAND ${compile} "${CMAKE_CURRENT_BINARY_DIR}/all_${order}.cpp" COMMAND_EXPAND_LISTS)
+    set_tests_properties("headers/all ${order}" PROPERTIES LABELS headers TIMEOUT 120)
+    list(REVERSE headers)
   endforeach()
 
   add_test(NAME headers/borders
