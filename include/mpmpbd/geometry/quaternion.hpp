@@ -39,10 +39,12 @@ template <class T> MPMPBD_HD Quaternion<T> normalised(Quaternion<T> const& q) {
   return is_valid(q) ? T(1) / norm(q) * q : q;
 }
 
+// The length of q cancels: without the division its rounding would stretch v by about one ulp every time,
+// always the same way (measured: 6e4 ulp of angular momentum in 20,000 steps, 8e3 with it).
 template <class T> MPMPBD_HD constexpr Vec3<T> rotate(Quaternion<T> const& q, Vec3<T> const& v) {
   Vec3<T> const a = {{q[1], q[2], q[3]}};
-  Vec3<T> const t = T(2) * cross(a, v);
-  return v + q[0] * t + cross(a, t);
+  Vec3<T> const t = T(2) / dot(q, q) * cross(a, v);
+  return v + (q[0] * t + cross(a, t));
 }
 template <class T> MPMPBD_HD constexpr Vec3<T> rotate_back(Quaternion<T> const& q, Vec3<T> const& v) {
   return rotate(conjugate(q), v);
