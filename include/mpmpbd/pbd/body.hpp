@@ -84,7 +84,7 @@ template <class... Policies> struct Pbd {
   // x0 = x, x += dt v, all multipliers 0.
   template <class Team, class Env, class T>
   MPMPBD_HD static std::uint32_t predict(Team const& team, Env const& env, Tick<T> const& tick) {
-    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       auto const x = env.template get<bead::Position>(b);
       env.template set<bead::Previous>(b, x);
       env.template set<bead::Position>(b, x + tick.dt * env.template get<bead::Velocity>(b));
@@ -111,7 +111,7 @@ template <class... Policies> struct Pbd {
   // v = (x - x0)/dt of the beads that are free to move.
   template <class Team, class Env, class T>
   MPMPBD_HD static std::uint32_t finish(Team const& team, Env const& env, Tick<T> const& tick) {
-    team.each(env.template live<Beads>(), [&](std::int64_t b) { set_velocity(env, b, tick); });
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) { set_velocity(env, b, tick); });
     team.sync();
     return 0;
   }
@@ -119,7 +119,7 @@ template <class... Policies> struct Pbd {
   // The same, and x = x0: the constraints have acted as velocity changes, and a coupling moves the beads.
   template <class Team, class Env, class T>
   MPMPBD_HD static std::uint32_t finish_as_velocity(Team const& team, Env const& env, Tick<T> const& tick) {
-    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       set_velocity(env, b, tick);
       env.template set<bead::Position>(b, env.template get<bead::Previous>(b));
     });
@@ -164,7 +164,7 @@ template <class... Policies> struct Pbd {
     (forget_kind<Cs>(team, env), ...);
   }
   template <class C, class Team, class Env> MPMPBD_HD static void forget_kind(Team const& team, Env const& env) {
-    team.each(env.template live<Instances<C>>(), [&](std::int64_t i) {
+    detail::each(team, env.template live<Instances<C>>(), [&](std::int64_t i) {
       set_vector<typename instance<C>::Multiplier>(env, i, Vec<typename Env::Scalar, C::dimension>{});
     });
   }

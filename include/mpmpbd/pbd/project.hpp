@@ -92,6 +92,12 @@ MPMPBD_HD void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimensio
   for_each_displacement<C>(one, d, dt2, f, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{});
 }
 
+// A team counts in int: one environment has fewer slots than that.
+template <class Team, class Function>
+MPMPBD_HD void each(Team const& team, std::int64_t count, Function const& f) {
+  team.each(static_cast<int>(count), f);
+}
+
 // Calls f(slot) for every instance of C, colour after colour: within a colour in any order, because
 // no two of its instances share a bead.
 template <class C, class Team, class Env, class Function>
@@ -100,7 +106,7 @@ MPMPBD_HD void for_each_colour(Team const& team, Env const& env, Function const&
   for (std::int64_t first = 0; first < count;) {
     std::int64_t const end =
         clamp<std::int64_t>(env.template get<typename instance<C>::ColourEnd>(first), first + 1, count);
-    team.each(end - first, [&](std::int64_t i) { f(first + i); });
+    each(team, end - first, [&](std::int64_t i) { f(first + i); });
     team.sync();
     first = end;
   }
@@ -108,7 +114,7 @@ MPMPBD_HD void for_each_colour(Team const& team, Env const& env, Function const&
 // Calls f(slot) for every instance of C, in any order.
 template <class C, class Team, class Env, class Function>
 MPMPBD_HD void for_each_instance(Team const& team, Env const& env, Function const& f) {
-  team.each(env.template live<Instances<C>>(), f);
+  each(team, env.template live<Instances<C>>(), f);
   team.sync();
 }
 

@@ -36,12 +36,13 @@ template <class... Cs> struct Chain<TypeList<Cs...>> {
 };
 
 // Newton steps on (grad W grad^T + alpha/dt^2) dlambda = -(C + alpha/dt^2 lambda) for the whole chain:
-// an inextensible thread of any length costs the same as a soft one, about 60 operations per bead with
-// Bend. Beads of one thread follow each other in number; several threads are several blocks.
-// Limits: constraints along a chain only. Over-determined chains: a row without a pivot keeps its
-// multiplier and sets Fault::solver. A step longer than the chain's own errors explain is shortened and
-// sets Fault::solver, so that a nearly singular chain stays bounded.
-template <int iterations_ = 2> struct DirectBanded {
+// an inextensible thread costs the same as a soft one, whatever its length. Beads of one thread follow
+// each other in number; several threads are several blocks of the same band.
+// Limits: constraints along a chain only. Newton's method has no line search: segments that turn by a
+// radian per substep need 8 iterations or smaller steps, otherwise one is enough. Over-determined
+// chains: a row without a pivot keeps its multiplier and sets Fault::solver; a step that turns segments
+// by much more than a radian is shortened and sets Fault::solver, so a nearly singular chain stays bounded.
+template <int iterations_ = 4> struct DirectBanded {
   using Role = role::Solver;
   static constexpr FixedString name = "XPBD, direct banded";
   static constexpr int iterations = iterations_;
@@ -57,14 +58,14 @@ template <int iterations_ = 2> struct DirectBanded {
     (evaluate<System, Cs>(team, env), ...);
     assemble<System>(team, env, dt2, typename Set::List{});
     team.one([&] {
-      T const most = longest_step<System>(env, typename Set::List{});
+      T const errors = sum_of_errors<System>(env, typename Set::List{});
       bool const whole = eliminate<System>(env, typename Set::List{});
-      bool const full_step = shorten<System>(env, dt2, most, typename Set::List{});
+      bool const full_step = shorten<System>(env, dt2, errors, typename Set::List{});
       if (!whole || !full_step) faults |= static_cast<std::uint32_t>(Fault::solver);
     });
     team.sync();
     (add_multipliers<System, Cs>(team, env), ...);
-    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       if (!(env.template get<bead::InverseMass>(b) > T(0))) return;
       env.template set<bead::Position>(b, env.template get<bead::Position>(b) + displacement<System>(env, b, dt2, typename Set::List{}));
     });
@@ -76,7 +77,7 @@ template <int iterations_ = 2> struct DirectBanded {
   template <class System, class Team, class Env, class... Cs>
   MPMPBD_HD static void clear(Team const& team, Env const& env, TypeList<Cs...>) {
     using T = typename Env::Scalar;
-    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       (env.template set<typename System::template Gradient<Cs>>(b, {}), ...);
       (env.template set<typename System::template Right<Cs>>(b, T(0)), ...);
       (env.template set<typename System::template Alpha<Cs>>(b, T(-1)), ...);
@@ -139,7 +140,7 @@ template <int iterations_ = 2> struct DirectBanded {
   }
   template <class System, class Team, class Env, class T, class... Cs>
   MPMPBD_HD static void assemble(Team const& team, Env const& env, T dt2, TypeList<Cs...> list) {
-    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       value_t<typename System::Band, T> band{};
       (assemble_row<System, Cs>(env, b, dt2, band, list), ...);
       env.template set<typename System::Band>(b, band);
@@ -231,32 +232,39 @@ template <int iterations_ = 2> struct DirectBanded {
     return (dt2 * env.template get<bead::InverseMass>(b)) * sum;
   }
 
-  // The lengths that the errors of a bead's constraints stand for, |C + alpha f| / |grad C| [m].
+  // The length that the error of a bead's constraint stands for, |C + alpha f| / |grad C| [m].
   template <class System, class C, class Env> MPMPBD_HD static auto error_length(Env const& env, std::int64_t b) {
     using T = typename Env::Scalar;
     T const slope = norm(env.template get<typename System::template Gradient<C>>(b));
     return slope > T(0) ? abs(env.template get<typename System::template Right<C>>(b)) / slope : T(0);
   }
-  // The longest step that the chain's own errors explain: the longest chord and the sum of all errors.
-  template <class System, class Env, class... Cs> MPMPBD_HD static auto longest_step(Env const& env, TypeList<Cs...>) {
-    using T = typename Env::Scalar;
-    T chord = T(0), errors = T(0);
-    for (std::int64_t b = 0; b < env.template live<Beads>(); ++b) {
-      if (b > 0) chord = max(chord, norm(env.template get<bead::Position>(b) - env.template get<bead::Position>(b - 1)));
-      ((errors += error_length<System, Cs>(env, b)), ...);
-    }
-    return chord + errors;
+  // The sum of all errors: how far one of them could carry the rest of the chain.
+  template <class System, class Env, class... Cs> MPMPBD_HD static auto sum_of_errors(Env const& env, TypeList<Cs...>) {
+    typename Env::Scalar sum{};
+    for (std::int64_t b = 0; b < env.template live<Beads>(); ++b) ((sum += error_length<System, Cs>(env, b)), ...);
+    return sum;
   }
-  // Shortens the step to `most` [m]; false when it had to.
+  // A linear step is good while segments turn by less than a radian or so: shortens it to that. False when
+  // it had to.
   template <class System, class Env, class T, class List>
-  MPMPBD_HD static bool shorten(Env const& env, T dt2, T most, List list) {
+  MPMPBD_HD static bool shorten(Env const& env, T dt2, T errors, List list) {
     std::int64_t const beads = env.template live<Beads>();
-    T move = T(0);
-    for (std::int64_t b = 0; b < beads; ++b) move = max(move, norm(displacement<System>(env, b, dt2, list)));
-    if (move <= most) return true;
+    T part = T(1);
+    Vec3<T> x_before{}, move_before{};
+    for (std::int64_t b = 0; b < beads; ++b) {
+      auto const x = env.template get<bead::Position>(b);
+      auto const move = displacement<System>(env, b, dt2, list);
+      T const most = errors + (b > 0 ? norm(x - x_before) : T(0));
+      T const asked = b > 0 ? norm(move - move_before) : T(0);
+      if (asked * part > most) part = most / asked;
+      if (!is_finite(asked)) part = T(0);
+      x_before = x;
+      move_before = move;
+    }
+    if (part == T(1)) return true;
     for (std::int64_t b = 0; b < beads; ++b) {
       auto r = rights<System>(env, b, list);
-      if (is_finite(move)) r *= most / move;
+      if (part > T(0)) r *= part;
       else r = {};
       set_rights<System>(env, b, r, list);
     }

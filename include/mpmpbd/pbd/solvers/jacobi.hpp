@@ -23,7 +23,7 @@ template <int iterations_> struct Jacobi {
 
   template <class Set, class Team, class Env, class T, class... Cs>
   MPMPBD_HD static std::uint32_t begin(Team const& team, Env const& env, Tick<T> const&, TypeList<Cs...>) {
-    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       env.template set<bead::Share>(b, T(0));
       env.template set<bead::Correction>(b, Vec3<T>{});
     });
@@ -35,7 +35,7 @@ template <int iterations_> struct Jacobi {
   template <class Set, class Team, class Env, class T, class... Cs>
   MPMPBD_HD static std::uint32_t iterate(Team const& team, Env const& env, Tick<T> const& tick, TypeList<Cs...>) {
     (collect<Cs>(team, env, tick.dt * tick.dt), ...);
-    team.each(env.template live<Beads>(), [&](std::int64_t b) {
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       env.template set<bead::Position>(b, env.template get<bead::Position>(b) + env.template get<bead::Correction>(b));
       env.template set<bead::Correction>(b, Vec3<T>{});
     });
