@@ -112,6 +112,8 @@ template <class P, class T> void check_parameters(parameters_t<P, T> const& k) {
     auto const* numbers = reinterpret_cast<T const*>(&k);
     for (std::size_t i = 0; i < parameter_count<P>; ++i)
       check_parameter(P::name.view(), P::parameter_info[i], static_cast<double>(numbers[i]));
+    // Optional: a condition on several numbers together; it throws std::invalid_argument.
+    if constexpr (requires { P::check_together(k); }) P::check_together(k);
   }
 }
 
