@@ -96,7 +96,7 @@ TEMPLATE_TEST_CASE("the suture script: no gap between substeps, on its own circl
     auto const pose = needle::pose(view, item);
     auto const sweep = Sweep<T>::of(pose, needle::twist(view, item), dt);
     auto const tip = needle_point(wire, points, 0, pose, sweep);
-    auto const end = swage(wire, pose, sweep);
+    auto const end = swage_point(wire, pose, sweep);
     kinematic::finish_scripted(view, item, script, t1);
     auto const next = needle::pose(view, item);
     gap = max(gap, norm(tip.position + dt * tip.velocity - to_world(next, wire.point(T(0)))));

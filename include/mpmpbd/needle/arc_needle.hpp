@@ -5,7 +5,7 @@
 #include <mpmpbd/core/role.hpp>
 #include <mpmpbd/geometry/arc.hpp>
 #include <mpmpbd/needle/fields.hpp>
-#include <mpmpbd/needle/rigid_body.hpp>
+#include <mpmpbd/needle/body.hpp>
 
 namespace mpmpbd {
 
@@ -61,7 +61,7 @@ struct FreeArcNeedle {
   using Writes = needle::State;
 
   template <class T> MPMPBD_HD static Arc<T> arc(Parameters<T> const& k) { return {k.radius, k.angle, k.wire_radius, k.taper}; }
-  template <class T> MPMPBD_HD static RigidBody<T> body(Parameters<T> const& k) { return RigidBody<T>::of(arc(k), k.density); }
+  template <class T> MPMPBD_HD static NeedleBody<T> body(Parameters<T> const& k) { return NeedleBody<T>::of(arc(k), k.density); }
 };
 
 // Refuses a needle whose numbers do not fit together, and one that is larger than its domain [m].

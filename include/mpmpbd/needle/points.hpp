@@ -26,13 +26,13 @@ MPMPBD_HD NeedlePoint<T> needle_point(Arc<T> const& arc, ArcPoints<T> const& poi
 
 // The blunt end, where a thread is swaged: a bead there has this position, and velocity V + omega x r in
 // the solve. `arm` is r, from the body's origin.
-template <class T> struct Swage {
+template <class T> struct SwagePoint {
   Vec3<T> position;
   Vec3<T> velocity;
   Vec3<T> direction;  // along which the wire goes on into the thread: away from the tip
   Vec3<T> arm;
 };
-template <class T> MPMPBD_HD Swage<T> swage(Arc<T> const& arc, Pose<T> const& pose, Sweep<T> const& sweep) {
+template <class T> MPMPBD_HD SwagePoint<T> swage_point(Arc<T> const& arc, Pose<T> const& pose, Sweep<T> const& sweep) {
   Vec3<T> const x = to_world(pose, arc.point(arc.length()));
   return {x, sweep.mean_velocity(x), -quaternion::rotate(pose.orientation, arc.tangent(arc.length())), x - pose.position};
 }

@@ -10,14 +10,14 @@
 
 namespace mpmpbd {
 
-template <class T> struct RigidBody {
+template <class T> struct NeedleBody {
   T mass;                   // [kg]
   Vec3<T> centre;           // centre of mass, body axes, from the body's origin [m]
   Vec3<T> inertia;          // principal moments about the centre of mass [kg m^2]
   Quaternion<T> principal;  // turns principal axes into body axes
 
   // An arc of round wire (taper neglected). Closed form of the integrals over a piece of a torus.
-  MPMPBD_HD static RigidBody of(Arc<T> const& arc, T density) {
+  MPMPBD_HD static NeedleBody of(Arc<T> const& arc, T density) {
     double const r = double(arc.radius), angle = double(arc.angle), a2 = square(double(arc.wire_radius));
     double const mean_cos = quaternion::sinc(0.5 * angle);   // about the arc's middle
     double const cos2 = 0.5 * (1.0 + quaternion::sinc(angle));
@@ -27,7 +27,7 @@ template <class T> struct RigidBody {
     double const in_plane = r * r + 0.75 * a2;               // mean of rho^2
     double const s1 = in_plane * cos2, s2 = in_plane * sin2, s3 = 0.25 * a2;
     double const half = -0.5 * angle;
-    RigidBody b;
+    NeedleBody b;
     b.mass = T(mass);
     b.centre = {{T(arm * cos(half)), T(arm * sin(half)), T(0)}};
     b.inertia = {{T(mass * (s2 + s3)), T(mass * (s1 + s3 - arm * arm)), T(mass * (s1 + s2 - arm * arm))}};
@@ -89,7 +89,7 @@ template <class T> struct RigidBody {
   // Free motion over dt; pose and twist are of the body's origin. Computed in double whatever T is: in float
   // the way from velocity to momentum and back loses an ulp per substep, always the same way.
   MPMPBD_HD void advance(Pose<T>& pose, Twist<T>& twist, T dt) const {
-    RigidBody<double> const body{double(mass), cast<double>(centre), cast<double>(inertia), cast<double>(principal)};
+    NeedleBody<double> const body{double(mass), cast<double>(centre), cast<double>(inertia), cast<double>(principal)};
     Pose<double> p{cast<double>(pose.position), cast<double>(pose.orientation)};
     Twist<double> w{cast<double>(twist.linear), cast<double>(twist.angular)};
     body.turn_and_shift(p, w, double(dt));

@@ -4,13 +4,13 @@
 #include <random>
 
 #include <mpmpbd/needle/arc_needle.hpp>
-#include <mpmpbd/needle/rigid_body.hpp>
+#include <mpmpbd/needle/body.hpp>
 
 using namespace mpmpbd;
 
 namespace {
-template <class T> RigidBody<T> steel_needle(double angle = 3.141592653589793) {
-  return RigidBody<T>::of(Arc<T>{T(0.0064), T(angle), T(0.0004), T(0)}, T(7900));
+template <class T> NeedleBody<T> steel_needle(double angle = 3.141592653589793) {
+  return NeedleBody<T>::of(Arc<T>{T(0.0064), T(angle), T(0.0004), T(0)}, T(7900));
 }
 template <class T> Pose<T> tilted() {
   return {vec<T>(T(0.011), T(-0.02), T(0.03)), quaternion::from_rotation_vector(vec<T>(T(0.4), T(-1.2), T(0.7)))};
@@ -21,7 +21,7 @@ TEST_CASE("mass, centre and inertia of an arc equal their integrals", "[needle][
   for (double angle : {0.05, 0.8, 2.0, 3.141592653589793, 4.4, 6.283185307179586}) {
     Arc<double> const arc{0.0064, angle, 0.0011, 0.0};
     double const density = 7900;
-    auto const body = RigidBody<double>::of(arc, density);
+    auto const body = NeedleBody<double>::of(arc, density);
     // Midpoint rule over the torus piece: angle, wire radius, wire angle.
     int const na = 400, nr = 60, nw = 60;
     double mass = 0;
@@ -54,11 +54,11 @@ TEST_CASE("mass, centre and inertia of an arc equal their integrals", "[needle][
 }
 
 TEST_CASE("a thin full circle is a ring, a short arc is a rod", "[needle][inertia]") {
-  auto const ring = RigidBody<double>::of({1.0, 2 * pi<double>, 1e-6, 0.0}, 1000.0);
+  auto const ring = NeedleBody<double>::of({1.0, 2 * pi<double>, 1e-6, 0.0}, 1000.0);
   REQUIRE(norm(ring.centre) < 1e-15);
   REQUIRE(ring.inertia[0] == Approx(ring.mass / 2));
   REQUIRE(ring.inertia[2] == Approx(ring.mass));
-  auto const rod = RigidBody<double>::of({100.0, 0.01, 1e-9, 0.0}, 1000.0);
+  auto const rod = NeedleBody<double>::of({100.0, 0.01, 1e-9, 0.0}, 1000.0);
   REQUIRE(rod.inertia[2] == Approx(rod.mass / 12).epsilon(1e-4));
 }
 
