@@ -44,6 +44,7 @@ while (($#)); do
     --only-cuda) only_cuda=yes ;;
     --no-setup) setup=no ;;
     -j) jobs=${2:?-j needs a number} && shift ;;
+    -j[0-9]*) jobs=${1#-j} ;;
     -h | --help) usage && exit ;;
     *) usage >&2 && die "unknown option '$1'" ;;
   esac
