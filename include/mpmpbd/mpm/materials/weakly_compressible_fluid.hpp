@@ -11,8 +11,14 @@
 namespace mpmpbd {
 
 namespace detail {
-MPMPBD_HD inline float cube_root(float a) { return ::cbrtf(a); }
-MPMPBD_HD inline double cube_root(double a) { return ::cbrt(a); }
+MPMPBD_HD inline float rough_cube_root(float a) { return ::cbrtf(a); }
+MPMPBD_HD inline double rough_cube_root(double a) { return ::cbrt(a); }
+// One Newton step more than the library: its last bit is biased, and a volume that is rooted and cubed
+// at every step would creep.
+template <class T> MPMPBD_HD T cube_root(T a) {
+  T const c = rough_cube_root(a), c2 = c * c;
+  return c2 > T(0) ? c - (c2 * c - a) / (3 * c2) : c;
+}
 }  // namespace detail
 
 // A fluid has no shape to remember: after every update F is set to J^(1/3) I, so shear cannot pile up
