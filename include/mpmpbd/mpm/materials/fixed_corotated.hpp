@@ -50,7 +50,7 @@ struct FixedCorotated {
     T const J = determinant(F), stretch2 = largest_stretch_squared(F), stretch = sqrt(stretch2);
     T const shear = J < T(0) ? 2 * stretch2 + stretch : max(2 * stretch2 - stretch, stretch);
     return Stiffness<T>{2 * k.mu * stretch2 + k.lambda * J * J,
-                        2 * k.mu * shear + 3 * k.lambda * max(T(0), J * (2 * J - T(1)))};
+                        2 * k.mu * shear + max(T(0), 3 * k.lambda * J * (2 * J - T(1)))};
   }
 };
 
