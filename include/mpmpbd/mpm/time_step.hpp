@@ -1,9 +1,11 @@
 // The stable time step of explicit MPM, from the current state.
 //
-// A single particle is an oscillator: with L the velocity gradient, dL/dt = -(V0/m) G dtau, where G is
-// D^-1 (MLS) or the largest sum (dw/dx)^2 / w over positions (weight gradient). Symplectic Euler is
-// stable for dt < 2/omega, omega^2 = G k / rho0, k the largest eigenvalue of dtau/dL: stricter than
-// dx/c_p by 0.65 at nu = 0.4.
+// A single particle is an oscillator of its strain e and the rate C that it carries:
+//   C' = C - dt a_C w2 e,   e' = e + dt (C - dt a_F w2 e),   w2 = k / (rho0 dx^2),
+// k the largest eigenvalue of dtau/dL; a_F dx^-2: how the forces change the gradient that updates F, a_C:
+// the one that is carried (0 for PIC and FLIP). Its determinant is 1 - dt^2 w2 (a_F - a_C), its trace
+// 2 - dt^2 w2 a_F, so it is stable for dt^2 w2 (2 a_F - a_C) < 4. By Irons and Fried no assembly of
+// particles is stiffer than its stiffest one. 0.65 of dx/c_p for MLS-APIC at nu = 0.4.
 #pragma once
 
 #include <mpmpbd/core/tick.hpp>
@@ -15,39 +17,49 @@ namespace mpmpbd {
 // Share of the limit that is taken, for what the estimate does not see within a step.
 inline constexpr double time_step_safety = 0.8;
 
-// G dx^2 of a shape function and force form: how stiffly a single particle feels the grid.
+namespace detail {
+// sum (dw/df)^2 / w at f cells from the first node: the weight gradient's stiffness.
+template <class Shape> constexpr double slope_stiffness(double f) {
+  double sum = 0.0;
+  for (int i = 0; i < Shape::width; ++i) {
+    double const w = Shape::weight(i, f), s = Shape::slope(i, f);
+    if (w > 1e-30) sum += s * s / w;
+  }
+  return sum;
+}
+
+// 2 a_F - a_C at f.
+template <class Body> constexpr double stiffness_at(double f) {
+  using Shape = typename Body::Shape;
+  using Transfer = typename Body::Transfer;
+  double const slope = slope_stiffness<Shape>(f);
+  double const moment = Shape::inverse_inertia > 0.0 ? Shape::inverse_inertia : slope;
+  double const updates = Body::Form::uses_moment ? moment : slope;
+  double const carried = !Transfer::carries_affine ? 0.0
+                         : Transfer::needs_moment  ? moment
+                                                   : updates;
+  return 2.0 * updates - carried;
+}
+}  // namespace detail
+
+// How stiffly a single particle feels the grid, times dx^2: the largest 2 a_F - a_C of any position.
 // Linear shape: unbounded at a node (sum 1/f); the value is that of a particle 1/20 cell from a node,
 // so a lone particle nearer than that is not covered.
-template <class Shape, class Form> constexpr double gradient_stiffness() {
-  if (Form::uses_moment) return Shape::inverse_inertia;
+template <class Body> constexpr double gradient_stiffness() {
+  using Shape = typename Body::Shape;
+  constexpr bool smooth = Shape::inverse_inertia > 0.0;
   double largest = 0.0;
-  for (int n = 1; n < 40; ++n) {
-    double const f = Shape::offset + n / 40.0;
-    double sum = 0.0;
-    for (int i = 0; i < Shape::width; ++i) {
-      double const w = Shape::weight(i, f), s = Shape::slope(i, f);
-      if (w > 0.0) sum += s * s / w;
-    }
-    if (sum > largest && (Shape::inverse_inertia > 0.0 || (n >= 2 && n <= 38))) largest = sum;
-  }
-  if constexpr (Shape::inverse_inertia > 0.0) {
-    for (double const end : {1e-9, 1.0 - 1e-9}) {  // the supremum of the splines lies at the ends
-      double sum = 0.0;
-      for (int i = 0; i < Shape::width; ++i) {
-        double const f = Shape::offset + end;
-        double const w = Shape::weight(i, f), s = Shape::slope(i, f);
-        if (w > 1e-30) sum += s * s / w;
-      }
-      if (sum > largest) largest = sum;
-    }
-  }
+  for (int n = 2; n <= 38; ++n)
+    largest = max(largest, detail::stiffness_at<Body>(Shape::offset + n / 40.0));
+  if constexpr (smooth)  // the supremum of the splines lies at the ends
+    for (double const end : {1e-9, 1.0 - 1e-9})
+      largest = max(largest, detail::stiffness_at<Body>(Shape::offset + end));
   return largest;
 }
 
 namespace detail {
 // A constant, because device code may not call a constexpr host function.
-template <class Shape, class Form>
-inline constexpr double gradient_stiffness_of = gradient_stiffness<Shape, Form>();
+template <class Body> inline constexpr double gradient_stiffness_of = gradient_stiffness<Body>();
 }  // namespace detail
 
 // What bounds the step of one environment; maxima over its particles.
@@ -77,8 +89,7 @@ MPMPBD_HD StepBounds<typename P::Scalar> step_bounds(P const& p, K const& materi
 
 // The longest stable step [s] of elastic waves, without the safety factor.
 template <class Body, class T> MPMPBD_HD T elastic_limit(StepBounds<T> const& b, T dx) {
-  constexpr double G =
-      detail::gradient_stiffness_of<typename Body::Shape, typename Body::Form>;
+  constexpr double G = detail::gradient_stiffness_of<Body>;
   return b.frequency2 > T(0) ? T(2) * dx / sqrt(T(G) * b.frequency2) : T(1e30);
 }
 
