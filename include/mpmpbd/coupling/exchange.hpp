@@ -1,0 +1,568 @@
+// The exchange of momentum between tissue, needle and thread in one substep: the heart of `Embedded`.
+//
+// After grid forces and walls and before gather, once per substep. Everything that bends, weighs or pushes
+// the thread has acted on its velocities before; nothing may move thread or needle afterwards. Lateral
+// contact, friction and drag meet the thread's stretch and bending in one direct solve, so a taut thread
+// cannot cut through tissue between two solvers.
+#pragma once
+
+#include <mpmpbd/core/status.hpp>
+#include <mpmpbd/coupling/contact_law.hpp>
+#include <mpmpbd/coupling/incidence.hpp>
+#include <mpmpbd/coupling/thread_blocks.hpp>
+#include <mpmpbd/coupling/weights.hpp>
+
+namespace mpmpbd {
+
+// What is known at compile time. `bends`: the thread resists bending.
+template <class Shape_, class FrictionLaw_, class DragLaw_, bool bends_> struct EmbeddedForm {
+  using Shape = Shape_;
+  using FrictionLaw = FrictionLaw_;
+  using DragLaw = DragLaw_;
+  static constexpr bool bends = bends_;
+};
+
+enum class Motion : int { absent, kinematic, dynamic };
+
+// The needle. Its velocity is given (kinematic) or found (dynamic: mass and inertia about `centre`, its
+// centre of mass). The caller moves it with the velocity that the exchange leaves.
+template <class T> struct RigidBody {
+  Motion motion;
+  bool swaged;  // the last bead of the thread is fixed to it; with a kinematic body it is a known bead
+  Vec3<T> centre, velocity, spin;
+  T mass;
+  Mat3<T> inertia;  // in world axes
+};
+
+// Scratch of one point.
+template <class T> struct PointWork {
+  T D;                // splitting
+  Vec3<T> slip;       // before the exchange, with the thread solved alone
+  Vec3<T> u;          // tissue velocity there, at the start of a sweep
+  Vec3<T> J;          // impulse so far
+  Vec3<T> dJ;         // of the present pass
+  Vec3<T> slip_impulse;
+  Hold hold;
+};
+
+template <class T> struct ExchangeScratch {
+  Mat<T, 7, 7> end_factor;
+  RigidEnd<T> end;
+  Vec<T, 6> body;      // velocity and spin of the needle in the present trial
+  Vec<T, 6> momentum;  // the needle's right-hand side without contact
+  Vec<T, 6> alone;     // the same with thread and needle solved without tissue
+  T share;             // of the impulses on offer that is taken
+  int changed;         // holds revised after the last pass
+  int revised;         // holds revised in the whole exchange
+  int failed;
+};
+
+// Everything of one environment. Points: two per thread segment (2k, 2k+1), then those of the needle,
+// then attachments (Contact::tied, anywhere on the thread).
+template <class T, class Form> struct ExchangeView {
+  using Scalar = T;
+  Lattice<T> lattice;
+  T rest_density;           // of the tissue [kg/m^3]
+  T dt, previous_dt;        // [s]
+  ThreadState<T> thread;
+  RigidBody<T>* needle;     // never null; Motion::absent without one
+  ContactPoint<T>* points;
+  int needle_points, attached_points;
+  parameters_t<typename Form::FrictionLaw, T> friction;
+  parameters_t<typename Form::DragLaw, T> drag;
+
+  ThreadWork<T, Form::bends> thread_work;
+  Incidence<T> incidence;
+  PointWork<T>* work;
+  bool* on;
+  ExchangeScratch<T>* scratch;
+
+  MPMPBD_HD int gauss_points() const { return thread.beads > 1 ? 2 * (thread.beads - 1) : 0; }
+  MPMPBD_HD int first_attached() const { return gauss_points() + needle_points; }
+  MPMPBD_HD int count() const { return first_attached() + attached_points; }
+};
+
+// Positions and tangents of the thread's points: two Gauss points per segment; one would not see a thread
+// that buckles in a zigzag.
+template <class Team_, class View_> MPMPBD_HD void place_thread_points(Team_ const& team, View_ const& x) {
+  using T = typename View_::Scalar;
+  measure_segments(team, x.thread, x.thread_work, x.dt);
+  bead_tangents(team, x.thread, x.thread_work);
+  team.each(x.gauss_points(), [&](int q) {
+    ContactPoint<T>& p = x.points[q];
+    int const k = q / 2;
+    p.segment = k;
+    p.along = T(q % 2 == 0 ? 0.21132486540518712 : 0.78867513459481288);
+    p.position = (1 - p.along) * x.thread.position[k] + p.along * x.thread.position[k + 1];
+    p.axis = direction((1 - p.along) * x.thread_work.tangent[k] + p.along * x.thread_work.tangent[k + 1]);
+    p.length = x.thread.rest_length[k] / 2;
+    if (!detail::is_segment(x.thread, k)) p.contact = Contact::off;
+  });
+  team.sync();
+}
+
+// Weights and coverage of all points. Between this and `exchange` the caller decides what each point is
+// (Contact), for which it may read the coverage.
+template <class Form, class Team_, class T, class Nodes>
+MPMPBD_HD void embed_points(Team_ const& team, ExchangeView<T, Form> const& x, Nodes const& nodes) {
+  T const full = x.rest_density * x.lattice.dx * x.lattice.dx * x.lattice.dx;
+  team.each(x.count(), [&](int q) {
+    int const first = q * x.incidence.per_point;
+    x.points[q].coverage =
+        embedding_weights<typename Form::Shape>(x.lattice, x.points[q].position, nodes,
+                                                x.incidence.weight + first, x.incidence.node + first) / full;
+  });
+  team.sync();
+}
+
+namespace detail {
+
+// How often at most one-sided points that pull are released, one pass each.
+inline constexpr int most_releases = 8;
+
+enum class Revision { yield, reconsider, release };
+
+template <class Team_, class T, class Form, class Nodes> struct Exchange {
+  using View_ = ExchangeView<T, Form>;
+  using Law = ContactLaw<T, typename Form::FrictionLaw, typename Form::DragLaw>;
+  static constexpr bool bends = Form::bends;
+
+  Team_ const& team;
+  View_ const& x;
+  Nodes const& nodes;
+  Law law;
+
+  MPMPBD_HD Exchange(Team_ const& team_, View_ const& x_, Nodes const& nodes_)
+      : team(team_), x(x_), nodes(nodes_), law{x_.dt, x_.friction, x_.drag} {}
+
+  MPMPBD_HD bool dynamic() const { return x.needle->motion == Motion::dynamic; }
+
+  // -- the bodies' side -------------------------------------------------------------------------------
+
+  // N V: the body's velocity at point q in the present trial.
+  MPMPBD_HD Vec3<T> body_velocity(int q) const {
+    ContactPoint<T> const& p = x.points[q];
+    if (p.segment < 0) return velocity_at(x.scratch->body, p.position - x.needle->centre);
+    Vec3<T> const* V = x.thread_work.trial;
+    return (1 - p.along) * V[p.segment] + p.along * V[p.segment + 1];
+  }
+
+  // Calls f(q, share) for the points that act on bead k, in a fixed order.
+  template <class F> MPMPBD_HD void for_each_point_of_bead(int k, F const& f) const {
+    int const end = min(2 * k + 2, x.gauss_points());
+    for (int q = max(2 * k - 2, 0); q < end; ++q) visit(q, k, f);
+    for (int q = x.first_attached(); q < x.count(); ++q) visit(q, k, f);
+  }
+  template <class F> MPMPBD_HD void visit(int q, int k, F const& f) const {
+    if (!x.on[q]) return;
+    ContactPoint<T> const& p = x.points[q];
+    if (p.segment == k) f(q, 1 - p.along);
+    if (p.segment == k - 1) f(q, p.along);
+  }
+
+  MPMPBD_HD Response<T> response(int q) const {
+    PointWork<T> const& w = x.work[q];
+    return law.response(x.points[q], w.hold, w.J, w.D, w.slip_impulse);
+  }
+  MPMPBD_HD Vec3<T> apply(Response<T> const& b, int q, Vec3<T> const& a) const {
+    Vec3<T> const& d = x.points[q].axis;
+    return T(1) / x.work[q].D * (b.isotropic * a + (b.axial * dot(d, a)) * d);
+  }
+  MPMPBD_HD Mat3<T> matrix(Response<T> const& b, int q) const {
+    Vec3<T> const& d = x.points[q].axis;
+    return T(1) / x.work[q].D * (b.isotropic * Mat3<T>::identity() + b.axial * outer(d, d));
+  }
+  // B u - J - offset: what the point brings to the right-hand side of its body.
+  MPMPBD_HD Vec3<T> load(Response<T> const& b, int q) const {
+    return apply(b, q, x.work[q].u) - x.work[q].J - b.offset;
+  }
+
+  // Thread matrix and right-hand side with the contact of the present holds.
+  MPMPBD_HD void assemble_contact() const {
+    auto const& t = x.thread_work;
+    team.each(x.thread.beads, [&](int k) {
+      t.blocks[k] = t.base[k];
+      t.trial[k] = t.inertia[k];
+      t.trial_impulse[k] = t.gap_speed[k];
+      for_each_point_of_bead(k, [&](int q, T share) {
+        Response<T> const b = response(q);
+        Mat3<T> const B = matrix(b, q);
+        t.blocks[k].A += square(share) * B;
+        if (x.points[q].segment == k) t.blocks[k].U += (share * (1 - share)) * B;
+        if (!x.thread.known[k]) t.trial[k] += share * load(b, q);
+      });
+    });
+    team.each(dynamic() ? 7 : 0, [&](int column) { assemble_needle(column); });
+    reset_kinematic(T(1));
+    team.sync();
+  }
+
+  // One column of the dynamic needle's matrix; the seventh is its right-hand side.
+  MPMPBD_HD void assemble_needle(int column) const {
+    Vec<T, 6> sum{}, unit{};
+    if (column < 6) {
+      unit[column] = T(1);
+      inertia_column(column, sum);
+    } else {
+      sum = x.scratch->momentum;
+    }
+    for (int q = x.gauss_points(); q < x.first_attached(); ++q) {
+      if (!x.on[q]) continue;
+      Vec3<T> const arm = x.points[q].position - x.needle->centre;
+      Response<T> const b = response(q);
+      Vec3<T> const f = column < 6 ? apply(b, q, velocity_at(unit, arm)) : load(b, q);
+      sum += lift(arm, f);
+    }
+    if (column == 6) x.scratch->body = sum;
+    else
+      for (int i = 0; i < 6; ++i) x.scratch->end.matrix(i, column) = sum[i];
+  }
+  MPMPBD_HD void inertia_column(int column, Vec<T, 6>& sum) const {
+    if (column < 3) sum[column] = x.needle->mass;
+    else
+      for (int i = 0; i < 3; ++i) sum[3 + i] = x.needle->inertia(i, column - 3);
+  }
+  // A kinematic needle has no unknowns: its velocity is what it is (factor 1) or does not change (0).
+  MPMPBD_HD void reset_kinematic(T factor) const {
+    if (dynamic()) return;
+    team.one([&] {
+      for (int i = 0; i < 3; ++i) {
+        x.scratch->body[i] = factor * x.needle->velocity[i];
+        x.scratch->body[3 + i] = factor * x.needle->spin[i];
+      }
+    });
+  }
+
+  MPMPBD_HD ChainSystem<T, bends> chain(BeadBlocks<T, bends> const* blocks) const {
+    return {x.thread.beads, blocks, x.thread_work.links, x.thread.known, &x.scratch->end};
+  }
+  MPMPBD_HD ChainFactors<T, bends> factors() const {
+    return {x.thread_work.factors, &x.scratch->end_factor};
+  }
+  // Factors and solves on one lane; the elimination is serial.
+  MPMPBD_HD void solve(BeadBlocks<T, bends> const* blocks, bool factored = false) const {
+    team.one([&] {
+      ExchangeScratch<T>& s = *x.scratch;
+      if (!factored && !factor_chain(chain(blocks), factors())) s.failed = 1;
+      if (s.failed == 0)
+        solve_chain(chain(blocks), factors(), x.thread_work.trial, x.thread_work.trial_impulse, &s.body);
+    });
+    team.sync();
+  }
+
+  // -- the grid's side --------------------------------------------------------------------------------
+
+  MPMPBD_HD void load_nodes() const {
+    team.each(x.incidence.counters[0], [&](int i) {
+      TouchedNode<T>& n = x.incidence.nodes[i];
+      n.velocity = n.start = nodes.velocity(n.index);
+      n.inverse_mass = nodes.inverse_mass(n.index);
+      n.free_inverse_mass = T(1) / nodes.mass(n.index);
+    });
+    team.sync();
+  }
+  MPMPBD_HD void store_nodes() const {
+    team.each(x.incidence.counters[0], [&](int i) {
+      TouchedNode<T> const& n = x.incidence.nodes[i];
+      nodes.set_velocity(n.index, n.velocity);
+    });
+    team.sync();
+  }
+  // Velocity changes of all touched nodes by an impulse at every point.
+  template <class Impulse, class Use> MPMPBD_HD void push_nodes(Impulse const& impulse, Use const& use) const {
+    team.each(x.incidence.counters[0], [&](int i) {
+      TouchedNode<T>& n = x.incidence.nodes[i];
+      Vec3<T> change = sum_over_points(x.incidence, i, impulse);
+      for (int a = 0; a < 3; ++a) change[a] *= n.inverse_mass[a];
+      use(n, change);
+    });
+    team.sync();
+  }
+
+  // -- the steps --------------------------------------------------------------------------------------
+
+  MPMPBD_HD std::uint32_t begin() const {
+    team.each(x.count(), [&](int q) {
+      x.on[q] = x.points[q].contact != Contact::off && x.points[q].coverage > T(0);
+    });
+    team.one([&] {
+      ExchangeScratch<T>& s = *x.scratch;
+      RigidBody<T> const& b = *x.needle;
+      s.failed = s.revised = 0;
+      s.end.present = dynamic();
+      s.end.swaged = dynamic() && b.swaged;
+      s.end.arm = x.thread.beads > 0 ? x.thread.position[x.thread.beads - 1] - b.centre : Vec3<T>{};
+      Vec3<T> const p = b.mass * b.velocity, L = b.inertia * b.spin;
+      s.momentum = {{p[0], p[1], p[2], L[0], L[1], L[2]}};
+    });
+    team.sync();
+    std::uint32_t const faults = connect(team, x.incidence, x.count(), x.on);
+    load_nodes();
+    T const scale = x.previous_dt > T(0) ? x.dt / x.previous_dt : T(1);
+    team.each(x.thread.beads, [&](int k) { x.thread.impulse[k] *= scale; });
+    team.each(x.count(), [&](int q) {
+      PointWork<T>& w = x.work[q];
+      w = {};
+      if (!x.on[q]) return;
+      w.D = splitting(x.incidence, q);
+      w.J = law.carried(x.points[q], scale * x.points[q].impulse);
+      w.hold = Hold::open;
+    });
+    team.sync();
+    assemble_thread(team, x.thread, x.thread_work, x.dt);
+    return faults;
+  }
+
+  MPMPBD_HD void observe() const {
+    team.each(x.count(), [&](int q) {
+      if (x.on[q]) x.work[q].u = grid_velocity(x.incidence, q);
+    });
+    team.sync();
+  }
+
+  // Offers last substep's impulses again, scaled by the exact minimiser of the energy along them.
+  MPMPBD_HD void warm_start() const {
+    auto const& t = x.thread_work;
+    observe();
+    team.each(dynamic() ? 6 : 0, [&](int column) {
+      Vec<T, 6> sum{};
+      inertia_column(column, sum);
+      for (int i = 0; i < 6; ++i) x.scratch->end.matrix(i, column) = sum[i];
+    });
+    team.each(x.thread.beads, [&](int k) {
+      t.trial[k] = t.inertia[k];
+      t.trial_impulse[k] = t.gap_speed[k];
+    });
+    team.one([&] { if (dynamic()) x.scratch->body = x.scratch->momentum; });
+    reset_kinematic(T(1));
+    team.sync();
+    solve(t.base);
+    remember_alone();
+    offer();
+    solve(t.base, true);
+    push_nodes([&](int q) { return x.work[q].J; }, [](TouchedNode<T>& n, Vec3<T> const& dv) { n.change = dv; });
+    team.one([&] { x.scratch->share = line_search(); });
+    team.sync();
+    T const share = x.scratch->share;
+    team.each(x.incidence.counters[0], [&](int i) {
+      TouchedNode<T>& n = x.incidence.nodes[i];
+      n.velocity += share * n.change;
+    });
+    team.each(x.count(), [&](int q) { x.work[q].J *= share; });
+    team.sync();
+  }
+
+  // The end of a substep without tissue: where every line search starts.
+  MPMPBD_HD void remember_alone() const {
+    auto const& t = x.thread_work;
+    team.each(x.count(), [&](int q) { if (x.on[q]) x.work[q].slip = x.work[q].u - body_velocity(q); });
+    team.each(x.thread.beads, [&](int k) {
+      t.alone[k] = t.trial[k];
+      t.alone_impulse[k] = t.trial_impulse[k];
+    });
+    team.sync();
+    team.one([&] { x.scratch->alone = x.scratch->body; });
+    team.sync();
+  }
+
+  // Right-hand side of the response to the offered impulses alone: -N^T j, everything else at rest.
+  MPMPBD_HD void offer() const {
+    auto const& t = x.thread_work;
+    team.each(x.thread.beads, [&](int k) {
+      t.trial[k] = {};
+      t.trial_impulse[k] = T(0);
+      if (x.thread.known[k]) return;
+      for_each_point_of_bead(k, [&](int q, T share) { t.trial[k] -= share * x.work[q].J; });
+    });
+    team.one([&] {
+      if (!dynamic()) return;
+      Vec<T, 6> sum{};
+      for (int q = x.gauss_points(); q < x.first_attached(); ++q)
+        if (x.on[q]) sum -= lift(x.points[q].position - x.needle->centre, x.work[q].J);
+      x.scratch->body = sum;
+    });
+    reset_kinematic(T(0));
+    team.sync();
+  }
+
+  // The thread's response to the offer is in `trial`, the grid's in `change`.
+  MPMPBD_HD T line_search() const {
+    T power = T(0), stiffness = T(0);
+    for (int q = 0; q < x.count(); ++q) {
+      if (!x.on[q]) continue;
+      Vec3<T> const& j = x.work[q].J;
+      Vec3<T> const moved = sum_over_nodes<Vec3<T>>(
+          x.incidence, q, [](T w, TouchedNode<T> const& n) { return w * n.change; });
+      power += dot(j, x.work[q].slip);
+      stiffness += dot(j, moved - body_velocity(q));
+    }
+    return stiffness > T(0) ? clamp(-power / stiffness, T(0), T(1)) : T(0);
+  }
+
+  MPMPBD_HD void pass() const {
+    assemble_contact();
+    solve(x.thread_work.blocks);
+    team.each(x.count(), [&](int q) {
+      if (!x.on[q]) return;
+      Response<T> const b = response(q);
+      x.work[q].dJ = b.offset - apply(b, q, x.work[q].u - body_velocity(q));
+    });
+    team.sync();
+  }
+
+  // Revises the holds after a trial; tells whether any changed.
+  MPMPBD_HD bool revise(Revision how) const {
+    team.one([&] { x.scratch->changed = 0; });
+    team.sync();
+    team.each(x.count(), [&](int q) {
+      if (!x.on[q]) return;
+      PointWork<T>& w = x.work[q];
+      Hold const next = how == Revision::yield ? yields(q) : how == Revision::reconsider ? reconsiders(q) : releases(q);
+      if (next == w.hold) return;
+      w.hold = next;
+      team.add(x.scratch->changed, 1);
+      team.add(x.scratch->revised, 1);
+    });
+    team.sync();
+    bool const changed = x.scratch->changed > 0;
+    team.sync();
+    return changed;
+  }
+  MPMPBD_HD Hold yields(int q) const {
+    PointWork<T>& w = x.work[q];
+    return law.yields(x.points[q], w.hold, w.J + w.dJ, w.slip_impulse);
+  }
+  MPMPBD_HD Hold releases(int q) const {
+    PointWork<T> const& w = x.work[q];
+    ContactPoint<T> const& p = x.points[q];
+    bool const one_sided = p.contact == Contact::surface || p.contact == Contact::tip;
+    return one_sided && dot(p.axis, w.J + w.dJ) < T(0) ? Hold::open : w.hold;
+  }
+  MPMPBD_HD Hold reconsiders(int q) const {
+    PointWork<T>& w = x.work[q];
+    ContactPoint<T> const& p = x.points[q];
+    Vec3<T> const slip = w.u + w.D * w.dJ - body_velocity(q);
+    Hold const next = law.returns(p, w.hold, w.J + w.dJ, slip);
+    if (next != w.hold) w.slip_impulse = {};
+    bool const one_sided = p.contact == Contact::surface || p.contact == Contact::tip;
+    return one_sided && next == w.hold ? yields(q) : next;
+  }
+
+  MPMPBD_HD void sweep() const {
+    observe();
+    team.each(x.count(), [&](int q) {
+      x.work[q].hold = Law::first_hold;
+      x.work[q].slip_impulse = {};
+    });
+    team.sync();
+    pass();
+    if (revise(Revision::yield)) {
+      pass();
+      bool changed = revise(Revision::reconsider);
+      for (int release = 0; changed && release < most_releases; ++release) {
+        pass();
+        changed = revise(Revision::release);
+      }
+    }
+    push_nodes([&](int q) { return x.work[q].dJ; },
+               [](TouchedNode<T>& n, Vec3<T> const& dv) { n.velocity += dv; });
+    team.each(x.count(), [&](int q) { if (x.on[q]) x.work[q].J += x.work[q].dJ; });
+    team.sync();
+  }
+
+  // Friction and one-sided contact choose their holds by trial, which is not a proof. Along the line from
+  // the motion without tissue (share 0) to the motion found (share 1) the energy is a parabola: where it
+  // would end higher than it began, its minimum is taken. All limits are cones, so they hold there too.
+  MPMPBD_HD void guard_energy() const {
+    if (x.scratch->revised == 0) return;
+    observe();
+    team.one([&] { x.scratch->share = safe_share(); });
+    team.sync();
+    T const share = x.scratch->share;
+    if (share == T(1)) return;
+    auto const& t = x.thread_work;
+    team.each(x.incidence.counters[0], [&](int i) {
+      TouchedNode<T>& n = x.incidence.nodes[i];
+      n.velocity = n.start + share * (n.velocity - n.start);
+    });
+    team.each(x.thread.beads, [&](int k) {
+      t.trial[k] = t.alone[k] + share * (t.trial[k] - t.alone[k]);
+      t.trial_impulse[k] = t.alone_impulse[k] + share * (t.trial_impulse[k] - t.alone_impulse[k]);
+    });
+    team.each(x.count(), [&](int q) { x.work[q].J *= share; });
+    team.one([&] { x.scratch->body = x.scratch->alone + share * (x.scratch->body - x.scratch->alone); });
+    team.sync();
+  }
+  MPMPBD_HD T safe_share() const {
+    T before = T(0), after = T(0);
+    for (int q = 0; q < x.count(); ++q) {
+      if (!x.on[q]) continue;
+      before += dot(x.work[q].J, x.work[q].slip);
+      after += dot(x.work[q].J, x.work[q].u - body_velocity(q));
+    }
+    if (!(before + after > T(0))) return T(1);
+    return before < T(0) && after > before ? clamp(-before / (after - before), T(0), T(1)) : T(0);
+  }
+
+  MPMPBD_HD void finish() const {
+    store_nodes();
+    auto const& t = x.thread_work;
+    team.each(x.thread.beads, [&](int k) {
+      x.thread.velocity[k] = t.trial[k];
+      x.thread.position[k] += x.dt * t.trial[k];
+      x.thread.impulse[k] = t.trial_impulse[k];
+    });
+    team.each(x.count(), [&](int q) { x.points[q].impulse = x.on[q] ? x.work[q].J : Vec3<T>{}; });
+    team.one([&] {
+      if (!dynamic()) return;
+      Vec<T, 6> const& y = x.scratch->body;
+      x.needle->velocity = vec(y[0], y[1], y[2]);
+      x.needle->spin = vec(y[3], y[4], y[5]);
+    });
+    team.sync();
+  }
+};
+
+}  // namespace detail
+
+// Exchanges momentum. Before: place_thread_points, needle points placed, embed_points, contacts decided.
+// After: node velocities, bead positions and velocities, link impulses, a dynamic needle's velocity and
+// the impulse of every point are those of the end of the substep. Returns faults; with Fault::solver
+// nothing was changed.
+//
+// nodes: mass(i) > 0 where it has mass, inverse_mass(i) per axis, velocity(i), set_velocity(i, v).
+template <class Team_, class T, class Form, class Nodes>
+MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const& x, Nodes const& nodes,
+                                 int sweeps = 2) {
+  detail::Exchange<Team_, T, Form, Nodes> const e(team, x, nodes);
+  std::uint32_t const faults = e.begin();
+  e.warm_start();
+  for (int i = 0; i < sweeps; ++i) e.sweep();
+  e.guard_energy();
+  if (x.scratch->failed != 0) return faults | static_cast<std::uint32_t>(Fault::solver);
+  e.finish();
+  return faults;
+}
+
+// Force and moment of a needle about `centre`, as the tissue exerts them [N, N m]. The pull of a swaged
+// thread is not in it.
+template <class T> struct Wrench {
+  Vec3<T> force, moment;
+};
+template <class T, class Form>
+MPMPBD_HD Wrench<T> needle_wrench(ExchangeView<T, Form> const& x, Vec3<T> const& centre) {
+  Wrench<T> sum{};
+  for (int q = x.gauss_points(); q < x.first_attached(); ++q) {
+    Vec3<T> const f = T(-1) / x.dt * x.points[q].impulse;
+    sum.force += f;
+    sum.moment += cross(x.points[q].position - centre, f);
+  }
+  return sum;
+}
+
+// Tension of segment k [N]; negative in compression.
+template <class T, class Form> MPMPBD_HD T tension(ExchangeView<T, Form> const& x, int k) {
+  return x.thread.impulse[k] / x.dt;
+}
+
+}  // namespace mpmpbd

@@ -1,0 +1,169 @@
+// Which nodes the points touch, and which points each of these nodes feels.
+//
+// A compact copy of the touched nodes keeps the exchange inside fast memory. Each node adds up its points
+// in the order of their numbers, so the sums need no atomic floats and give the same bits on any number
+// of lanes; integers alone are counted atomically, and their order does not matter.
+#pragma once
+
+#include <cstdint>
+
+#include <mpmpbd/core/matrix.hpp>
+#include <mpmpbd/core/status.hpp>
+#include <mpmpbd/coupling/team.hpp>
+
+namespace mpmpbd {
+
+// A touched node: what the exchange needs of it.
+template <class T> struct TouchedNode {
+  Vec3<T> velocity{};
+  Vec3<T> start{};         // its velocity before the exchange
+  Vec3<T> change{};        // of velocity, offered by the warm start
+  Vec3<T> inverse_mass{};  // per axis; 0 where a wall holds the node
+  T free_inverse_mass{};   // 1/m, walls or not
+  T split{};               // sum of |weight| over the points of all bodies
+  int index = 0;           // in the lattice
+  int first = 0, count = 0;  // its entries in `pairs`
+};
+
+// Pair p = point * per_point + a: the a-th node of a point. Capacities are fixed at creation.
+template <class T> struct Incidence {
+  int node_capacity;
+  int point_capacity;
+  int per_point;
+  int* slot_of_node;      // one per lattice node, -1 between two exchanges
+  T* weight;              // per pair; a point that is off keeps none
+  int* node;              // per pair: lattice node
+  int* slot;              // per pair: touched node, -1 for none
+  int* pairs;             // pairs sorted by touched node, then by point
+  TouchedNode<T>* nodes;
+  int* counters;          // {touched nodes, entries of pairs}
+};
+
+namespace detail {
+
+inline constexpr int unseen = -1, taken = -2;
+
+template <class T, class Team_>
+MPMPBD_HD void touch(Team_ const& team, Incidence<T> const& c, int pair) {
+  int const node = c.node[pair];
+  if (!team.claim(c.slot_of_node[node], unseen, taken)) return;
+  int const slot = team.add(c.counters[0], 1);
+  if (slot >= c.node_capacity) return;
+  c.nodes[slot] = TouchedNode<T>{.index = node};
+  c.slot_of_node[node] = slot;
+}
+
+// Too many nodes: the points are taken in order, as many as fit; a point that does not fit is off.
+template <class T>
+MPMPBD_HD void touch_in_order(Incidence<T> const& c, int points, bool* on) {
+  for (int p = 0; p < points * c.per_point; ++p)
+    if (on[p / c.per_point]) c.slot_of_node[c.node[p]] = unseen;
+  int used = 0;
+  for (int q = 0; q < points; ++q) {
+    if (!on[q]) continue;
+    int fresh = 0;
+    int const begin = q * c.per_point, end = begin + c.per_point;
+    for (int p = begin; p < end; ++p) fresh += c.slot_of_node[c.node[p]] == unseen && c.weight[p] != T(0);
+    if (used + fresh > c.node_capacity) {
+      on[q] = false;
+      continue;
+    }
+    for (int p = begin; p < end; ++p) {
+      int& slot = c.slot_of_node[c.node[p]];
+      if (slot != unseen || c.weight[p] == T(0)) continue;
+      c.nodes[used] = TouchedNode<T>{.index = c.node[p]};
+      slot = used++;
+    }
+  }
+  c.counters[0] = used;
+}
+
+template <class T> MPMPBD_HD void sort_entries(int* entry, int count) {
+  for (int i = 1; i < count; ++i) {
+    int const moving = entry[i];
+    int k = i;
+    for (; k > 0 && entry[k - 1] > moving; --k) entry[k] = entry[k - 1];
+    entry[k] = moving;
+  }
+}
+
+}  // namespace detail
+
+// Builds the lists from weights and nodes of the points that are on. Returns the faults met: with
+// Fault::overflow some points were switched off.
+template <class T, class Team_>
+MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int points, bool* on) {
+  int const all = points * c.per_point;
+  auto const used = [&](int p) { return on[p / c.per_point] && c.weight[p] != T(0); };
+  team.one([&] { c.counters[0] = c.counters[1] = 0; });
+  team.sync();
+  team.each(all, [&](int p) { if (used(p)) detail::touch(team, c, p); });
+  team.sync();
+  bool const overflow = c.counters[0] > c.node_capacity;
+  team.sync();
+  if (overflow) team.one([&] { detail::touch_in_order(c, points, on); });
+  team.sync();
+  team.each(all, [&](int p) {
+    c.slot[p] = used(p) ? c.slot_of_node[c.node[p]] : -1;
+    if (c.slot[p] >= 0) team.add(c.nodes[c.slot[p]].count, 1);
+  });
+  team.sync();
+  team.each(c.counters[0], [&](int i) {
+    c.nodes[i].first = team.add(c.counters[1], c.nodes[i].count);
+    c.nodes[i].count = 0;
+  });
+  team.sync();
+  team.each(all, [&](int p) {
+    if (c.slot[p] < 0) return;
+    TouchedNode<T>& n = c.nodes[c.slot[p]];
+    c.pairs[n.first + team.add(n.count, 1)] = p;
+  });
+  team.sync();
+  team.each(c.counters[0], [&](int i) {
+    TouchedNode<T>& n = c.nodes[i];
+    detail::sort_entries<T>(c.pairs + n.first, n.count);
+    for (int e = n.first; e < n.first + n.count; ++e) n.split += abs(c.weight[c.pairs[e]]);
+    c.slot_of_node[n.index] = detail::unseen;
+  });
+  team.sync();
+  return overflow ? static_cast<std::uint32_t>(Fault::overflow) : 0u;
+}
+
+// sum_q w_iq f(q) over the points of touched node i, in the order of their numbers.
+template <class T, class F>
+MPMPBD_HD Vec3<T> sum_over_points(Incidence<T> const& c, int i, F const& f) {
+  TouchedNode<T> const& n = c.nodes[i];
+  Vec3<T> sum{};
+  for (int e = n.first; e < n.first + n.count; ++e) {
+    int const p = c.pairs[e];
+    sum += c.weight[p] * f(p / c.per_point);
+  }
+  return sum;
+}
+
+// sum_i w_iq f(node i) over the nodes of point q.
+template <class Value, class T, class F>
+MPMPBD_HD Value sum_over_nodes(Incidence<T> const& c, int q, F const& f) {
+  Value sum{};
+  for (int p = q * c.per_point; p < (q + 1) * c.per_point; ++p)
+    if (c.slot[p] >= 0) sum += f(c.weight[p], c.nodes[c.slot[p]]);
+  return sum;
+}
+
+template <class T> MPMPBD_HD Vec3<T> grid_velocity(Incidence<T> const& c, int q) {
+  return sum_over_nodes<Vec3<T>>(c, q, [](T w, TouchedNode<T> const& n) { return w * n.velocity; });
+}
+
+// Row-sum splitting D_q = sum_i |w_iq| S_i / m_i: no set of points, acting at once, can gain energy with
+// it, and a uniform slip is removed in one sweep. Walls only make it larger than needed. A point whose
+// nodes are all held keeps a small D, so that its impulse stays finite.
+template <class T> MPMPBD_HD T splitting(Incidence<T> const& c, int q) {
+  T const moving = sum_over_nodes<T>(c, q, [](T w, TouchedNode<T> const& n) {
+    return abs(w) * n.split * max(max(n.inverse_mass[0], n.inverse_mass[1]), n.inverse_mass[2]);
+  });
+  T const unbound = sum_over_nodes<T>(
+      c, q, [](T w, TouchedNode<T> const& n) { return abs(w) * n.split * n.free_inverse_mass; });
+  return max(moving, T(0.05) * unbound);
+}
+
+}  // namespace mpmpbd

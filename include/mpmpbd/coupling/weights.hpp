@@ -1,0 +1,64 @@
+// Where a point of a needle or thread sits in the grid: its nodes and weights.
+#pragma once
+
+#include <mpmpbd/mpm/lattice.hpp>
+
+namespace mpmpbd {
+
+// Nodes of one point, a fixed number each.
+template <class Shape> inline constexpr int nodes_per_point = Shape::width * Shape::width * Shape::width;
+
+namespace detail {
+
+// Calls f(a, node, weight, d) for every node of the stencil in a fixed order; d = x_i - x in cells.
+template <class Shape, class T, class F>
+MPMPBD_HD void for_each_node(Lattice<T> const& lattice, Stencil<T, Shape> const& s, F const& f) {
+  int a = 0;
+  for (int k = 0; k < Shape::width; ++k)
+    for (int j = 0; j < Shape::width; ++j)
+      for (int i = 0; i < Shape::width; ++i, ++a) {
+        int const node = static_cast<int>(lattice.index(s.base(0) + i, s.base(1) + j, s.base(2) + k));
+        T const w = Shape::weight(i, s.f[0]) * Shape::weight(j, s.f[1]) * Shape::weight(k, s.f[2]);
+        f(a, node, w, vec(T(i) - s.f[0], T(j) - s.f[1], T(k) - s.f[2]));
+      }
+}
+
+}  // namespace detail
+
+// Weights of a point over the nodes that have mass, corrected so that they sum to one and reproduce
+// linear fields there too: impulse and moment of a point then reach the grid whole, even where the point
+// is near a free surface and some of its nodes are empty.
+//
+// Returns sum w m of the plain weights. It is 0, and the point unusable, when the nodes with mass lie in
+// one plane, or all on one side so that the correction would exceed 4.
+template <class Shape, class T, class Nodes>
+MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
+                              T* weight, int* node) {
+  auto const stencil = Stencil<T, Shape>::at(lattice, x);
+  if (!stencil.inside(lattice)) return T(0);
+  T total = T(0);
+  Vec3<T> first{};   // M1 = sum w d
+  Mat3<T> second{};  // M2 = sum w d d^T
+  detail::for_each_node(lattice, stencil, [&](int a, int i, T w, Vec3<T> const& d) {
+    T const wm = w * nodes.mass(i);
+    total += wm;
+    weight[a] = wm;
+    node[a] = i;
+    first += wm * d;
+    second += wm * outer(d, d);
+  });
+  if (!(total > T(0))) return T(0);
+  first *= T(1) / total;
+  second *= T(1) / total;
+  T const third = trace(second) / 3;
+  if (!(determinant(second) > T(1e-6) * third * third * third)) return T(0);
+  Vec3<T> const z = inverse(second) * first;
+  T const rest = 1 - dot(first, z);
+  if (!(rest >= T(0.25))) return T(0);
+  detail::for_each_node(lattice, stencil, [&](int a, int, T, Vec3<T> const& d) {
+    weight[a] *= (1 - dot(z, d)) / (rest * total);
+  });
+  return total;
+}
+
+}  // namespace mpmpbd

@@ -1,0 +1,140 @@
+// A grid, a thread and a needle on the host: what an exchange needs, without a simulation around it.
+#pragma once
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <mpmpbd/coupling/workspace.hpp>
+#include <mpmpbd/mpm/shape/bspline.hpp>
+
+namespace test {
+
+using mpmpbd::Contact;
+using mpmpbd::Mat3;
+using mpmpbd::Motion;
+using mpmpbd::Vec3;
+
+// The nodes as the exchange sees them.
+template <class T> struct GridNodes {
+  T const* m;
+  Vec3<T> const* inverse;
+  Vec3<T>* v;
+  MPMPBD_HD T mass(int i) const { return m[i]; }
+  MPMPBD_HD Vec3<T> inverse_mass(int i) const { return inverse[i]; }
+  MPMPBD_HD Vec3<T> velocity(int i) const { return v[i]; }
+  MPMPBD_HD void set_velocity(int i, Vec3<T> const& a) const { v[i] = a; }
+};
+
+template <class T, class Form_> struct Rig {
+  using Form = Form_;
+  mpmpbd::Lattice<T> lattice;
+  std::vector<T> mass;
+  std::vector<Vec3<T>> inverse_mass, velocity;
+
+  std::vector<Vec3<T>> bead, bead_velocity;
+  std::vector<T> bead_mass, rest_length, rest_angle, impulse;
+  std::vector<char> known;
+  mpmpbd::RigidBody<T> needle{};
+  std::vector<mpmpbd::ContactPoint<T>> points;
+  int needle_points = 0, attached_points = 0, touched_nodes = 0;
+  T dt = T(0.1), previous_dt = T(0.1), rest_density = 1;
+  T stretch_compliance = T(1e-3), bending_stiffness = 0;
+  mpmpbd::parameters_t<typename Form::FrictionLaw, T> friction{};
+  mpmpbd::parameters_t<typename Form::DragLaw, T> drag{};
+
+  std::vector<char> memory;
+  std::vector<int> slots;
+
+  Rig(int nx, int ny, int nz, T dx = 1) : lattice(mpmpbd::Lattice<T>::make(dx, nx, ny, nz)) {
+    auto const n = static_cast<std::size_t>(lattice.count());
+    mass.assign(n, T(0));
+    inverse_mass.assign(n, Vec3<T>{});
+    velocity.assign(n, Vec3<T>{});
+    slots.assign(n, -1);
+  }
+  int beads() const { return static_cast<int>(bead.size()); }
+  int gauss_points() const { return beads() > 1 ? 2 * (beads() - 1) : 0; }
+
+  void add_bead(Vec3<T> const& x, T m) {
+    bead.push_back(x);
+    bead_velocity.push_back({});
+    bead_mass.push_back(m);
+    known.push_back(0);
+    rest_angle.push_back(0);
+    impulse.push_back(0);
+    rest_length.push_back(0);
+    auto const n = bead.size();
+    if (n > 1) rest_length[n - 2] = mpmpbd::norm(bead[n - 1] - bead[n - 2]);
+  }
+  // Call when beads and needle points are all there. Thread points come first, all members at first.
+  void allocate(std::vector<mpmpbd::ContactPoint<T>> const& needle_pts = {},
+                std::vector<mpmpbd::ContactPoint<T>> const& attached = {}) {
+    points.assign(static_cast<std::size_t>(gauss_points()), {});
+    for (auto& p : points) p.contact = Contact::member;
+    points.insert(points.end(), needle_pts.begin(), needle_pts.end());
+    points.insert(points.end(), attached.begin(), attached.end());
+    needle_points = static_cast<int>(needle_pts.size());
+    attached_points = static_cast<int>(attached.size());
+    memory.assign(mpmpbd::exchange_bytes<T, Form>(capacity()), 0);
+  }
+  mpmpbd::ExchangeCapacity capacity() const {
+    return {beads(), needle_points, attached_points, touched_nodes};
+  }
+  mpmpbd::ThreadState<T> thread() {
+    return {beads(), bead.data(), bead_velocity.data(), bead_mass.data(),
+            reinterpret_cast<bool const*>(known.data()), rest_length.data(), rest_angle.data(),
+            impulse.data(), stretch_compliance, bending_stiffness};
+  }
+  mpmpbd::ExchangeView<T, Form> view() {
+    mpmpbd::ExchangeView<T, Form> x{};
+    x.lattice = lattice;
+    x.rest_density = rest_density;
+    x.dt = dt;
+    x.previous_dt = previous_dt;
+    x.thread = thread();
+    x.needle = &needle;
+    x.points = points.data();
+    x.needle_points = needle_points;
+    x.attached_points = attached_points;
+    x.friction = friction;
+    x.drag = drag;
+    mpmpbd::use_workspace(x, capacity(), memory.data(), slots.data());
+    return x;
+  }
+  GridNodes<T> nodes() { return {mass.data(), inverse_mass.data(), velocity.data()}; }
+
+  // One substep's coupling; thread points in tissue less dense than `least` are off.
+  std::uint32_t couple(double least = 0.25) {
+    auto x = view();
+    mpmpbd::Solo const team;
+    mpmpbd::place_thread_points(team, x);
+    mpmpbd::embed_points(team, x, nodes());
+    for (int q = 0; q < gauss_points(); ++q) {
+      auto& p = points[static_cast<std::size_t>(q)];
+      if (p.contact == Contact::member || p.contact == Contact::off)
+        p.contact = double(p.coverage) >= least ? Contact::member : Contact::off;
+    }
+    auto const faults = mpmpbd::exchange(team, x, nodes());
+    previous_dt = dt;
+    return faults;
+  }
+};
+
+// Energy that one exchange may not raise: kinetic, plus the stretch (and bending) of the thread as the
+// linearised equations see it before and after.
+template <class T, class Form> double kinetic_energy(Rig<T, Form> const& r) {
+  double e = 0;
+  for (std::size_t i = 0; i < r.mass.size(); ++i)
+    for (int a = 0; a < 3; ++a)
+      if (r.inverse_mass[i][a] > 0) e += 0.5 / double(r.inverse_mass[i][a]) * std::pow(double(r.velocity[i][a]), 2);
+  for (std::size_t k = 0; k < r.bead.size(); ++k)
+    if (!r.known[k])
+      e += 0.5 * double(r.bead_mass[k]) * double(mpmpbd::dot(r.bead_velocity[k], r.bead_velocity[k]));
+  if (r.needle.motion == Motion::dynamic)
+    e += 0.5 * double(r.needle.mass * mpmpbd::dot(r.needle.velocity, r.needle.velocity) +
+                      mpmpbd::dot(r.needle.spin, r.needle.inertia * r.needle.spin));
+  return e;
+}
+
+}  // namespace test
