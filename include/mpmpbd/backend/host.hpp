@@ -99,21 +99,42 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     for (std::int64_t slot = c * chunk_size; slot < end; ++slot) f(first + slot);
   }
 
-  template <class Stage> void run(kind::Scatter) {
-    using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Particles>;
+  // Loads every particle of a chunk, lets f change it, stores it: in packs where the stage's policies can.
+  template <class Stage, class Function>
+  std::uint32_t each_particle(std::int64_t c, Function&& f) const {
     auto const view = state_.template view<Particles>();
+    std::int64_t const first = env_ * view.capacity;
+    std::int64_t const end = (c + 1) * chunk_size < live_ ? (c + 1) * chunk_size : live_;
+    std::int64_t slot = c * chunk_size;
+    std::uint32_t faults = 0;
+#if defined(MPMPBD_HAS_PACKS)
+    if constexpr (std::is_same_v<T, float> && Stage::branch_free) {
+      PackView<std::remove_const_t<decltype(view)>> const packs{view};
+      for (; slot + lanes<Pack<T>> <= end; slot += lanes<Pack<T>>)
+        faults |= one_item<Stage, Pack<T>>(packs, first + slot, f);
+    }
+#endif
+    for (; slot < end; ++slot) faults |= one_item<Stage, T>(view, first + slot, f);
+    return faults;
+  }
+  template <class Stage, class Scalar, class View_, class Function>
+  MPMPBD_ALWAYS_INLINE static std::uint32_t one_item(View_ const& view, std::int64_t index, Function&& f) {
+    using Reads = on_t<typename Stage::Reads, Particles>;
+    using Writes = on_t<typename Stage::Writes, Particles>;
+    Local<Scalar, union_t<Reads, Writes>> p;
+    p.load(view, index, stored_t<Reads>{});
+    auto const faults = f(p);
+    p.store(view, index, stored_t<Writes>{});
+    return faults;
+  }
+
+  template <class Stage> void run(kind::Scatter) {
     lanes_.for_each(chunks(), [&](std::int64_t c, int) {
       auto& tile = work_.tiles[static_cast<std::size_t>(c)];
       tile.clear_to(box_of(c), needs_previous);
       TileWriter<T> const sums(tile);
-      std::uint32_t faults = 0;
-      for_chunk(c, [&](std::int64_t index) {
-        Local<T, Used> p;
-        p.load(view, index, stored_t<on_t<typename Stage::Reads, Particles>>{});
-        faults |= Stage::run(p, sums, context_);
-        p.store(view, index, stored_t<on_t<typename Stage::Writes, Particles>>{});
-      });
-      work_.faults[static_cast<std::size_t>(c)] |= faults;
+      work_.faults[static_cast<std::size_t>(c)] |= each_particle<Stage>(
+          c, [&](auto& p) MPMPBD_ALWAYS_INLINE { return Stage::run(p, sums, context_); });
     });
   }
 
@@ -134,20 +155,11 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   }
 
   template <class Stage> void run(kind::Gather) {
-    using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Particles>;
-    auto const view = state_.template view<Particles>();
     NodeReader<T> nodes{work_.nodes.data(), nullptr, context_.lattice};
-    if constexpr (contains<typename Scene::NodeFields, node::PreviousVelocity>)
-      nodes.previous = work_.previous.velocities.data();
+    if constexpr (needs_previous) nodes.previous = work_.previous.velocities.data();
     lanes_.for_each(chunks(), [&](std::int64_t c, int) {
-      std::uint32_t faults = 0;
-      for_chunk(c, [&](std::int64_t index) {
-        Local<T, Used> p;
-        p.load(view, index, stored_t<on_t<typename Stage::Reads, Particles>>{});
-        faults |= Stage::run(p, nodes, context_);
-        p.store(view, index, stored_t<on_t<typename Stage::Writes, Particles>>{});
-      });
-      work_.faults[static_cast<std::size_t>(c)] |= faults;
+      work_.faults[static_cast<std::size_t>(c)] |= each_particle<Stage>(
+          c, [&](auto& p) MPMPBD_ALWAYS_INLINE { return Stage::run(p, nodes, context_); });
     });
   }
 

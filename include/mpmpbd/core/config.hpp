@@ -16,3 +16,9 @@
 #else
 #define MPMPBD_INLINE inline
 #endif
+// The same as a plain attribute, for lambdas (after the parameter list) and host functions.
+#if defined(__GNUC__)
+#define MPMPBD_ALWAYS_INLINE __attribute__((always_inline))
+#else
+#define MPMPBD_ALWAYS_INLINE
+#endif

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <mpmpbd/core/matrix.hpp>
+#include <mpmpbd/core/pack.hpp>
 
 namespace mpmpbd {
 
@@ -34,6 +35,38 @@ template <class T> MPMPBD_INLINE Quad<T> operator+(Quad<T> const& a, Quad<T> con
 }
 template <class T> MPMPBD_INLINE Quad<T> operator*(detail::identity_t<T> s, Quad<T> const& a) {
   return {{s * a.v[0], s * a.v[1], s * a.v[2], s * a.v[3]}};
+}
+#endif
+
+// The quads of every lane of four numbers, and back.
+template <Real T> MPMPBD_INLINE void to_lanes(Vec<T, 4> const& a, Quad<T> (&q)[1]) {
+  q[0] = quad(a[0], a[1], a[2], a[3]);
+}
+template <Real T> MPMPBD_INLINE Vec<T, 4> from_lanes(Quad<T> const (&q)[1]) {
+  return {{q[0][0], q[0][1], q[0][2], q[0][3]}};
+}
+#if defined(MPMPBD_HAS_PACKS)
+namespace detail {
+// Columns of a 4 x 4 matrix become rows.
+template <class V> MPMPBD_INLINE void transpose_lanes(V& a, V& b, V& c, V& d) {
+  V const ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5),
+          ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+  V const cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5),
+          cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+  a = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+  c = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
+  d = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+}
+}  // namespace detail
+MPMPBD_INLINE void to_lanes(Vec<Pack<float>, 4> const& a, Quad<float> (&q)[4]) {
+  for (int l = 0; l < 4; ++l) q[l].v = a[l].v;
+  detail::transpose_lanes(q[0].v, q[1].v, q[2].v, q[3].v);
+}
+MPMPBD_INLINE Vec<Pack<float>, 4> from_lanes(Quad<float> const (&q)[4]) {
+  auto a = q[0].v, b = q[1].v, c = q[2].v, d = q[3].v;
+  detail::transpose_lanes(a, b, c, d);
+  return {{a, b, c, d}};
 }
 #endif
 

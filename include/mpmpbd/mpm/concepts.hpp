@@ -4,6 +4,7 @@
 #pragma once
 
 #include <mpmpbd/core/local.hpp>
+#include <mpmpbd/core/pack.hpp>
 #include <mpmpbd/core/parameters.hpp>
 #include <mpmpbd/core/role.hpp>
 #include <mpmpbd/core/tick.hpp>
@@ -121,6 +122,14 @@ template <class F> concept ForceForm = HasRole<F, role::Form> && HasName<F> && r
   { F::uses_moment } -> std::convertible_to<bool>;
 };
 
+namespace detail {
+// Never called: its address makes the compiler look into the body of after_update for undeclared fields.
+template <class M>
+void update_archetype(Archetype<M>& p, parameters_t<M, float> const& k, Tick<float> const& tick) {
+  M::after_update(p, k, tick);
+}
+}  // namespace detail
+
 template <class M> consteval bool check_material() {
   static_assert(
       HasName<M>,
@@ -140,6 +149,9 @@ template <class M> consteval bool check_material() {
   static_assert(
       UpdatesHistory<M> || !detail::names_after_update<M>,
       "mpmpbd MaterialModel: after_update cannot be called; write `template <class P, class K, class T> MPMPBD_HD static void after_update(P& p, K const& k, Tick<T> const& tick)`");
+  if constexpr (UpdatesHistory<M>) {
+    [[maybe_unused]] constexpr auto look_inside = &detail::update_archetype<M>;
+  }
   return MaterialModel<M>;
 }
 

@@ -10,6 +10,7 @@ namespace mpmpbd {
 struct WeightGradient {
   using Role = role::Form;
   static constexpr FixedString name = "weight gradient";
+  static constexpr bool branch_free = true;
   static constexpr bool uses_moment = false;
 };
 
@@ -18,6 +19,7 @@ struct WeightGradient {
 struct Mls {
   using Role = role::Form;
   static constexpr FixedString name = "MLS";
+  static constexpr bool branch_free = true;
   static constexpr bool uses_moment = true;
 };
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <mpmpbd/core/matrix.hpp>
+#include <mpmpbd/core/pack.hpp>
 
 namespace mpmpbd {
 
@@ -28,7 +28,7 @@ template <class T> struct Lattice {
   }
 };
 
-// The nodes around a point and its 1-D weights per axis; all lengths in cells.
+// The nodes around a point and its distance from the first of them; all lengths in cells.
 template <class T, class Shape> struct Stencil {
   int base[3];  // first node per axis
   T f[3];       // distance from it [cells]

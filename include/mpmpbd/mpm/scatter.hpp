@@ -4,6 +4,8 @@
 // 2015; Hu et al. 2018, eq. 16-18. With MLS both terms are one matrix: w (m C - dt V0 D^-1 tau) d.
 #pragma once
 
+#include <utility>
+
 #include <mpmpbd/core/quad.hpp>
 #include <mpmpbd/core/tick.hpp>
 #include <mpmpbd/mpm/body.hpp>
@@ -11,29 +13,82 @@
 
 namespace mpmpbd {
 
-// 1-D weights of a stencil along one axis.
-template <class T, int Width> struct AxisWeights {
-  T weight[Width];
-  T slope[Width];
+// 1-D weights of a stencil along its axes; slopes in 1/cells, only where they are used.
+template <class T, class Shape, bool slopes> struct StencilWeights {
+  struct Axis {
+    T weight[Shape::width];
+    T slope[slopes ? Shape::width : 1];
+  };
+  Axis x, y, z;
+
+  MPMPBD_INLINE static StencilWeights at(T const (&f)[3]) {
+    return {along(f[0]), along(f[1]), along(f[2])};
+  }
+  MPMPBD_INLINE StencilWeights<lane_t<T>, Shape, slopes> of_lane(int l) const {
+    return {lane_of(x, l), lane_of(y, l), lane_of(z, l)};
+  }
+
+ private:
+  MPMPBD_INLINE static Axis along(T f) {
+    Axis a{};
+    for (int i = 0; i < Shape::width; ++i) {
+      a.weight[i] = Shape::weight(i, f);
+      if constexpr (slopes) a.slope[i] = Shape::slope(i, f);
+    }
+    return a;
+  }
+  MPMPBD_INLINE static auto lane_of(Axis const& a, int l) {
+    typename StencilWeights<lane_t<T>, Shape, slopes>::Axis one{};
+    for (int i = 0; i < Shape::width; ++i) {
+      one.weight[i] = lane(a.weight[i], l);
+      if constexpr (slopes) one.slope[i] = lane(a.slope[i], l);
+    }
+    return one;
+  }
+};
+
+// The stencils of all lanes of T at once.
+template <class T, class Shape> struct Stencils {
+  T first[3];  // first node per axis, whole numbers
+  T f[3];      // distance from it [cells]
+
+  MPMPBD_INLINE static Stencils at(Lattice<lane_t<T>> const& lattice, Vec3<T> const& x) {
+    Stencils s;
+    for (int a = 0; a < 3; ++a) {
+      T const cells = x[a] * T(lattice.inverse_dx);
+      s.first[a] = floor(cells - T(Shape::offset));
+      s.f[a] = cells - s.first[a];
+    }
+    return s;
+  }
+  MPMPBD_INLINE Stencil<lane_t<T>, Shape> of_lane(int l) const {
+    Stencil<lane_t<T>, Shape> s;
+    for (int a = 0; a < 3; ++a) {
+      s.base[a] = static_cast<int>(lane(first[a], l));
+      s.f[a] = lane(f[a], l);
+    }
+    return s;
+  }
 };
 
 namespace detail {
-// Weights, and slopes in 1/cells, along an axis; slopes only where they are used.
-template <class Shape, bool Slopes, class T>
-MPMPBD_INLINE AxisWeights<T, Shape::width> axis_weights(T f) {
-  AxisWeights<T, Shape::width> a{};
-  for (int i = 0; i < Shape::width; ++i) {
-    a.weight[i] = Shape::weight(i, f);
-    if constexpr (Slopes) a.slope[i] = Shape::slope(i, f);
-  }
-  return a;
-}
-
-// The momentum a particle brings to a node at offset d is value + gradient d, d in cells.
+// The momentum (and mass) a particle brings to a node at offset d is value + gradient d, d in cells.
 template <class T> struct AffineMomentum {
-  Quad<T> value;        // at the first node: momentum and mass
-  Quad<T> gradient[3];  // per cell along each axis
+  Vec<T, 4> value;        // at the first node
+  Vec<T, 4> gradient[3];  // per cell along each axis
 };
+// The same for one particle, four numbers an instruction.
+template <class S> struct LaneMomentum { Quad<S> value, gradient[3]; };
+template <class T>
+MPMPBD_INLINE void to_lanes(AffineMomentum<T> const& q, LaneMomentum<lane_t<T>> (&out)[lanes<T>]) {
+  Quad<lane_t<T>> part[lanes<T>];
+  mpmpbd::to_lanes(q.value, part);
+  for (int l = 0; l < lanes<T>; ++l) out[l].value = part[l];
+  for (int a = 0; a < 3; ++a) {
+    mpmpbd::to_lanes(q.gradient[a], part);
+    for (int l = 0; l < lanes<T>; ++l) out[l].gradient[a] = part[l];
+  }
+}
 }  // namespace detail
 
 template <class Body> struct Scatter {
@@ -47,65 +102,72 @@ template <class Body> struct Scatter {
               std::conditional_t<Transfer::carries_affine, Fields<particle::Affine>, Fields<>>>;
   using Writes = Fields<>;
 
-  // Adds one particle to the grid; `grid.row(i, j, k).add(n, quad)` adds to the n-th node from there
-  // along x: floating point on the host, fixed point in a kernel. `add_previous` adds the same without
-  // the impulse of the forces, for transfers that ask for the grid before them.
-  template <class P, class Grid, class T>
-  MPMPBD_INLINE static void run(P const& p, Grid const& grid, Lattice<T> const& lattice, T dt) {
-    auto const s = Stencil<T, Shape>::at(lattice, p[particle::Position{}]);
-    auto const x = detail::axis_weights<Shape, !Form::uses_moment>(s.f[0]);
-    auto const y = detail::axis_weights<Shape, !Form::uses_moment>(s.f[1]);
-    auto const z = detail::axis_weights<Shape, !Form::uses_moment>(s.f[2]);
-    auto const carried = momentum<Form::uses_moment>(p, s, lattice, dt);
+  // Adds one particle (or a pack of them, one after the other) to the grid; `grid.row(i, j, k).add(n, quad)`
+  // adds to the n-th node from there along x: floating point on the host, fixed point in a kernel.
+  // `add_previous` adds the same without the impulse of the forces, for transfers that ask for it.
+  template <class P, class Grid, class S>
+  MPMPBD_INLINE static void run(P const& p, Grid const& grid, Lattice<S> const& lattice, S dt) {
+    using T = typename P::Scalar;
+    auto const s = Stencils<T, Shape>::at(lattice, p[particle::Position{}]);
+    auto const w = Weights<T>::at(s.f);
+    detail::LaneMomentum<S> carried[lanes<T>];
+    detail::to_lanes(momentum<Form::uses_moment>(p, s, lattice, dt), carried);
     Mat3<T> impulse{};  // - dt V0 tau per cell: weight gradient form
     if constexpr (!Form::uses_moment)
-      impulse = -dt * p[particle::Volume{}] * lattice.inverse_dx * p[particle::Stress{}];
+      impulse = (T(-dt * lattice.inverse_dx) * p[particle::Volume{}]) * p[particle::Stress{}];
+    for (int l = 0; l < lanes<T>; ++l)
+      add<&Rows<Grid>::add>(grid, s.of_lane(l), w.of_lane(l), carried[l], lane(impulse, l));
+    if constexpr (Transfer::needs_previous_grid) {
+      detail::to_lanes(momentum<false>(p, s, lattice, dt), carried);
+      for (int l = 0; l < lanes<T>; ++l)
+        add<&Rows<Grid>::add_previous>(grid, s.of_lane(l), w.of_lane(l), carried[l], Mat3<S>{});
+    }
+  }
 
+ private:
+  template <class T> using Weights = StencilWeights<T, Shape, !Form::uses_moment>;
+  template <class Grid> using Rows = decltype(std::declval<Grid const&>().row(0, 0, 0));
+
+  // Adds one particle to its nodes, row by row along x.
+  template <auto add_to, class Grid, class S>
+  MPMPBD_INLINE static void add(Grid const& grid, Stencil<S, Shape> const& s, Weights<S> const& w,
+                                detail::LaneMomentum<S> const& q, Mat3<S> const& impulse) {
     for (int k = 0; k < Shape::width; ++k) {
-      auto const plane = carried.value + T(k) * carried.gradient[2];
+      auto const plane = q.value + S(k) * q.gradient[2];
       for (int j = 0; j < Shape::width; ++j) {
-        auto const row = plane + T(j) * carried.gradient[1];
-        T const w_jk = y.weight[j] * z.weight[k];
+        auto const row = plane + S(j) * q.gradient[1];
+        S const w_jk = w.y.weight[j] * w.z.weight[k];
         auto const nodes = grid.row(s.base[0], s.base[1] + j, s.base[2] + k);
         for (int i = 0; i < Shape::width; ++i) {
-          auto sum = (w_jk * x.weight[i]) * (row + T(i) * carried.gradient[0]);
+          auto sum = (w_jk * w.x.weight[i]) * (row + S(i) * q.gradient[0]);
           if constexpr (!Form::uses_moment) {
-            Vec3<T> const grad{{x.slope[i] * w_jk, x.weight[i] * y.slope[j] * z.weight[k],
-                                x.weight[i] * y.weight[j] * z.slope[k]}};
-            sum = sum + quad(impulse * grad, T(0));
+            Vec3<S> const grad{{w.x.slope[i] * w_jk, w.x.weight[i] * w.y.slope[j] * w.z.weight[k],
+                                w.x.weight[i] * w.y.weight[j] * w.z.slope[k]}};
+            sum = sum + quad(impulse * grad, S(0));
           }
-          nodes.add(i, sum);
-          if constexpr (Transfer::needs_previous_grid)
-            nodes.add_previous(i, (w_jk * x.weight[i]) * before_forces(p, s, lattice, i, j, k));
+          (nodes.*add_to)(i, sum);
         }
       }
     }
   }
 
- private:
-  // Momentum and mass that a particle brings to node (i, j, k) of its stencil, forces left out.
-  template <class P, class T>
-  MPMPBD_INLINE static Quad<T> before_forces(P const& p, Stencil<T, Shape> const& s,
-                                             Lattice<T> const& lattice, int i, int j, int k) {
-    auto const q = momentum<false>(p, s, lattice, T(0));
-    return q.value + T(i) * q.gradient[0] + T(j) * q.gradient[1] + T(k) * q.gradient[2];
-  }
-
-  template <bool forces, class P, class T>
-  MPMPBD_INLINE static detail::AffineMomentum<T> momentum(P const& p, Stencil<T, Shape> const& s,
-                                                          Lattice<T> const& lattice,
-                                                          [[maybe_unused]] T dt) {
+  // Momentum and mass as an affine function of the offset; with the impulse of the forces (MLS) or without.
+  template <bool forces, class P, class T, class S>
+  MPMPBD_INLINE static detail::AffineMomentum<T> momentum(P const& p, Stencils<T, Shape> const& s,
+                                                          Lattice<S> const& lattice,
+                                                          [[maybe_unused]] S dt) {
     T const m = p[particle::Mass{}];
-    detail::AffineMomentum<T> q;
-    q.value = quad(m * p[particle::Velocity{}], m);
+    Vec3<T> const v = m * p[particle::Velocity{}];
     Mat3<T> A{};
-    if constexpr (Transfer::carries_affine) A = m * lattice.dx * p[particle::Affine{}];
+    if constexpr (Transfer::carries_affine) A = (m * T(lattice.dx)) * p[particle::Affine{}];
     if constexpr (forces)
-      A -= dt * p[particle::Volume{}] * T(Shape::inverse_inertia) * lattice.inverse_dx *
+      A -= (T(dt * S(Shape::inverse_inertia) * lattice.inverse_dx) * p[particle::Volume{}]) *
            p[particle::Stress{}];
+    detail::AffineMomentum<T> q;
+    q.value = {{v[0], v[1], v[2], m}};
     for (int a = 0; a < 3; ++a) {
-      q.gradient[a] = quad<T>(A(0, a), A(1, a), A(2, a), T(0));
-      q.value = q.value + (-s.f[a]) * q.gradient[a];
+      q.gradient[a] = {{A(0, a), A(1, a), A(2, a), T(0)}};
+      for (int i = 0; i < 3; ++i) q.value[i] = q.value[i] - s.f[a] * A(i, a);
     }
     return q;
   }

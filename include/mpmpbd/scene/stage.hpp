@@ -70,6 +70,18 @@ template <class... Ps> struct WritesOf<TypeList<Ps...>> {
   using type = union_t<typename Ps::Writes...>;
 };
 
+// Whether every policy of a list runs on packs: it says so by `branch_free = true`.
+template <class P>
+inline constexpr bool is_branch_free = [] {
+  if constexpr (requires { P::branch_free; })
+    return bool(P::branch_free);
+  else
+    return false;
+}();
+template <class List> inline constexpr bool all_branch_free = false;
+template <class... Ps>
+inline constexpr bool all_branch_free<TypeList<Ps...>> = (is_branch_free<Ps> && ... && true);
+
 // Applies the effects of a list to one item, in the order of the scene.
 template <class Item, class Ctx, class... Es>
 MPMPBD_HD void apply_effects(TypeList<Es...>, Item& item, Ctx const& context) {
@@ -88,6 +100,7 @@ template <class Body, class Effects> struct ParticlesToGrid {
   using Parts =
       join_t<TypeList<Material>, Before,
              TypeList<typename Body::Transfer, typename Body::Form, typename Body::Shape>>;
+  static constexpr bool branch_free = detail::all_branch_free<Parts>;
   using Reads = union_t<typename Material::Reads, typename detail::ReadsOf<Before>::type,
                         typename Scatter<Body>::Reads>;
   using Writes = union_t<Fields<particle::Stress, node::Mass, node::Momentum>,
@@ -99,7 +112,7 @@ template <class Body, class Effects> struct ParticlesToGrid {
   MPMPBD_INLINE static std::uint32_t run(P& p, Grid const& sums, Ctx const& context) {
     std::uint32_t faults = 0;
     if constexpr (needs_positive_volume<Material>)
-      if (!(determinant(p[particle::Deformation{}]) > 0))
+      if (any(!(determinant(p[particle::Deformation{}]) > typename P::Scalar(0))))
         faults |= static_cast<std::uint32_t>(Fault::inversion);
     p[particle::Stress{}] = Material::kirchhoff(p, context.template of<Material>());
     detail::apply_effects(Before{}, p, context);
@@ -162,6 +175,7 @@ template <class Body, class Effects> struct GridToParticles {
   using After = in_slot_t<Slot::after_gather, Effects>;
   using Parts =
       join_t<TypeList<typename Body::Transfer, typename Body::Form, typename Body::Shape>, After>;
+  static constexpr bool branch_free = detail::all_branch_free<join_t<TypeList<Material>, Parts>>;
   using Reads = union_t<Fields<node::Velocity>,
                         std::conditional_t<Body::Transfer::needs_previous_grid,
                                            Fields<node::PreviousVelocity>, Fields<>>,

@@ -16,6 +16,7 @@ struct NeoHookean {
   using Reads = Fields<particle::Deformation>;
   using Writes = Fields<>;
   static constexpr bool needs_positive_volume = true;
+  static constexpr bool branch_free = true;
 
   template <class T> using Parameters = Lame<T>;
   static constexpr auto parameter_info = lame_info;
@@ -24,11 +25,11 @@ struct NeoHookean {
     using T = typename P::Scalar;
     Mat3<T> const& F = p[particle::Deformation{}];
     T const J = determinant(F);
-    if (!(J > T(0))) return T(0) * F;  // zero, or NaN where F is
-    T const pressure = k.lambda * log(J) - k.mu;
+    auto const positive = J > T(0);
+    T const pressure = k.lambda * log(select(positive, J, T(1))) - k.mu;
     Mat3<T> tau = k.mu * (F * transpose(F));
     for (int i = 0; i < 3; ++i) tau(i, i) += pressure;
-    return tau;
+    return select(positive, tau, T(0) * F);  // zero, or NaN where F is
   }
 
   template <class P, class K> MPMPBD_HD static auto energy(P const& p, K const& k) {

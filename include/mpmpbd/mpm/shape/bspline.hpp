@@ -14,6 +14,7 @@ namespace mpmpbd {
 struct LinearBSpline {
   using Role = role::Shape;
   static constexpr FixedString name = "linear B-spline";
+  static constexpr bool branch_free = true;
   static constexpr int width = 2;
   static constexpr double offset = 0.0;
   static constexpr double inverse_inertia = 0.0;
@@ -27,6 +28,7 @@ struct LinearBSpline {
 struct QuadraticBSpline {
   using Role = role::Shape;
   static constexpr FixedString name = "quadratic B-spline";
+  static constexpr bool branch_free = true;
   static constexpr int width = 3;
   static constexpr double offset = 0.5;
   static constexpr double inverse_inertia = 4.0;
@@ -47,19 +49,20 @@ struct QuadraticBSpline {
 struct CubicBSpline {
   using Role = role::Shape;
   static constexpr FixedString name = "cubic B-spline";
+  static constexpr bool branch_free = true;
   static constexpr int width = 4;
   static constexpr double offset = 1.0;
   static constexpr double inverse_inertia = 3.0;
 
   template <class T> MPMPBD_HD static constexpr T weight(int i, T f) {
     T const r = i < 2 ? f - T(i) : T(i) - f;  // distance in cells, in [0, 2]
-    return r < 1 ? (T(0.5) * r - 1) * r * r + T(2) / 3 : (2 - r) * (2 - r) * (2 - r) / 6;
+    return i == 1 || i == 2 ? (T(0.5) * r - 1) * r * r + T(2) / 3 : (2 - r) * (2 - r) * (2 - r) / 6;
   }
   // dw/dx at the particle; x_p - x_i > 0 for the first two nodes.
   template <class T> MPMPBD_HD static constexpr T slope(int i, T f) {
     T const side = i < 2 ? T(1) : T(-1);
     T const r = side * (f - T(i));
-    return side * (r < 1 ? (T(1.5) * r - 2) * r : T(-0.5) * (2 - r) * (2 - r));
+    return side * (i == 1 || i == 2 ? (T(1.5) * r - 2) * r : T(-0.5) * (2 - r) * (2 - r));
   }
   template <class T> MPMPBD_HD static constexpr T moment(int i, T f) {
     return T(inverse_inertia) * weight(i, f) * (T(i) - f);

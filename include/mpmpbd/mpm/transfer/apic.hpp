@@ -9,6 +9,7 @@ namespace mpmpbd {
 struct Apic {
   using Role = role::Transfer;
   static constexpr FixedString name = "APIC";
+  static constexpr bool branch_free = true;
   using Reads = Fields<>;
   using Writes = Fields<particle::Velocity, particle::Affine>;
   static constexpr bool carries_affine = true;
@@ -17,7 +18,7 @@ struct Apic {
   static constexpr bool needs_previous_grid = false;
 
   template <class P, class T, class K>
-  MPMPBD_HD static void finish(P& p, Gathered<T> const& g, K const&) {
+  MPMPBD_INLINE static void finish(P& p, Gathered<T> const& g, K const&) {
     p[particle::Velocity{}] = g.velocity;
     p[particle::Affine{}] = g.moment;
   }

@@ -12,6 +12,7 @@ namespace mpmpbd {
 struct Flip {
   using Role = role::Transfer;
   static constexpr FixedString name = "FLIP";
+  static constexpr bool branch_free = true;
   using Reads = Fields<particle::Velocity>;
   using Writes = Fields<particle::Velocity>;
   static constexpr bool carries_affine = false;
@@ -26,7 +27,7 @@ struct Flip {
       {bound::between("blend", "1", 0, 1)}};
 
   template <class P, class T, class K>
-  MPMPBD_HD static void finish(P& p, Gathered<T> const& g, K const& k) {
+  MPMPBD_INLINE static void finish(P& p, Gathered<T> const& g, K const& k) {
     p[particle::Velocity{}] =
         g.velocity + k.blend * (p[particle::Velocity{}] - g.previous_velocity);
   }

@@ -10,6 +10,7 @@ namespace mpmpbd {
 struct Pic {
   using Role = role::Transfer;
   static constexpr FixedString name = "PIC";
+  static constexpr bool branch_free = true;
   using Reads = Fields<>;
   using Writes = Fields<particle::Velocity>;
   static constexpr bool carries_affine = false;
@@ -18,7 +19,7 @@ struct Pic {
   static constexpr bool needs_previous_grid = false;
 
   template <class P, class T, class K>
-  MPMPBD_HD static void finish(P& p, Gathered<T> const& g, K const&) {
+  MPMPBD_INLINE static void finish(P& p, Gathered<T> const& g, K const&) {
     p[particle::Velocity{}] = g.velocity;
   }
 };

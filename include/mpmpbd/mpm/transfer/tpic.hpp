@@ -10,6 +10,7 @@ namespace mpmpbd {
 struct Tpic {
   using Role = role::Transfer;
   static constexpr FixedString name = "TPIC";
+  static constexpr bool branch_free = true;
   using Reads = Fields<>;
   using Writes = Fields<particle::Velocity, particle::Affine>;
   static constexpr bool carries_affine = true;
@@ -18,7 +19,7 @@ struct Tpic {
   static constexpr bool needs_previous_grid = false;
 
   template <class P, class T, class K>
-  MPMPBD_HD static void finish(P& p, Gathered<T> const& g, K const&) {
+  MPMPBD_INLINE static void finish(P& p, Gathered<T> const& g, K const&) {
     p[particle::Velocity{}] = g.velocity;
     p[particle::Affine{}] = g.slope;
   }
