@@ -4,6 +4,7 @@
 // type that has these will do; this one is made of the views of core/table.hpp.
 #pragma once
 
+#include <mpmpbd/core/role.hpp>
 #include <mpmpbd/core/table.hpp>
 
 namespace mpmpbd {

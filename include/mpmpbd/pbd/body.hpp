@@ -104,6 +104,8 @@ template <class... Policies> struct Pbd {
       if constexpr (requires { Solver::template begin<Set>(team, env, tick, Mine{}); })
         faults |= Solver::template begin<Set>(team, env, tick, Mine{});
       for (int i = 0; i < Solver::iterations; ++i) faults |= Solver::template iterate<Set>(team, env, tick, Mine{});
+      if constexpr (requires { Solver::template end<Set>(team, env, tick, Mine{}); })
+        faults |= Solver::template end<Set>(team, env, tick, Mine{});
     }
     return faults;
   }

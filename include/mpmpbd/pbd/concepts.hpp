@@ -81,9 +81,9 @@ template <class C> consteval bool check_constraint() {
   return HasName<C>;
 }
 
-// A solver moves beads until the constraints hold. `iterate(team, rod, tick, TypeList<Cs...>{})` is one
-// iteration over the constraints it is given; `iterations` of them make a solve. `Scratch<Set>` lists
-// fields that it needs beside those of the rod. Optional: `begin` before the first iteration, `substeps`.
+// A solver moves beads until the constraints hold. `iterate<Set>(team, env, tick, TypeList<Cs...>{})` is one
+// iteration over the constraints it is given; `iterations` of them make a solve. `ScratchFields<Set>` lists
+// fields that it needs beside those of the rod. Optional: `begin` and `end` of a solve, `substeps`.
 template <class S> concept SolverPolicy = HasRole<S, role::Solver> && HasName<S> && requires {
   { S::iterations } -> std::convertible_to<int>;
 } && (S::iterations >= 1);

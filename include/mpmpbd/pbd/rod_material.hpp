@@ -1,6 +1,7 @@
 // A thread's material: what a round solid wire of given modulus, radius and density weighs and resists.
 #pragma once
 
+#include <mpmpbd/core/math.hpp>
 #include <mpmpbd/core/parameters.hpp>
 
 namespace mpmpbd {

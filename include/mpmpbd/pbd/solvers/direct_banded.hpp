@@ -38,10 +38,12 @@ template <class... Cs> struct Chain<TypeList<Cs...>> {
 // Newton steps on (grad W grad^T + alpha/dt^2) dlambda = -(C + alpha/dt^2 lambda) for the whole chain:
 // an inextensible thread costs the same as a soft one, whatever its length. Beads of one thread follow
 // each other in number; several threads are several blocks of the same band.
-// Limits: constraints along a chain only. Newton's method has no line search: segments that turn by a
-// radian per substep need 8 iterations or smaller steps, otherwise one is enough. Over-determined
-// chains: a row without a pivot keeps its multiplier and sets Fault::solver; a step that turns segments
-// by much more than a radian is shortened and sets Fault::solver, so a nearly singular chain stays bounded.
+// Limits: constraints along a chain only. The step is Newton's without the curvature of C, so a taut
+// light thread sways off when h^2 T / (m l) exceeds about 1 (T tension, m bead mass, l segment): take
+// smaller steps, or Gauss-Seidel, which has no such limit. Segments that turn by a radian per substep need 8
+// iterations, otherwise one is enough. Over-determined chains: a row without a pivot keeps its multiplier.
+// Every step is kept to turns of about a radian, so what fails stays bounded; Fault::solver is set when
+// a row lost its pivot, or a constraint is left with an error of more than a tenth of its segment.
 template <int iterations_ = 4> struct DirectBanded {
   using Role = role::Solver;
   static constexpr FixedString name = "XPBD, direct banded";
@@ -59,9 +61,8 @@ template <int iterations_ = 4> struct DirectBanded {
     assemble<System>(team, env, dt2, typename Set::List{});
     team.one([&] {
       T const errors = sum_of_errors<System>(env, typename Set::List{});
-      bool const whole = eliminate<System>(env, typename Set::List{});
-      bool const full_step = shorten<System>(env, dt2, errors, typename Set::List{});
-      if (!whole || !full_step) faults |= static_cast<std::uint32_t>(Fault::solver);
+      if (!eliminate<System>(env, typename Set::List{})) faults |= static_cast<std::uint32_t>(Fault::solver);
+      shorten<System>(env, dt2, errors, typename Set::List{});
     });
     team.sync();
     (add_multipliers<System, Cs>(team, env), ...);
@@ -71,6 +72,12 @@ template <int iterations_ = 4> struct DirectBanded {
     });
     team.sync();
     return faults;
+  }
+
+  // Nothing is lost silently: says so when the iterations did not solve the chain.
+  template <class Set, class Team, class Env, class T, class... Cs>
+  MPMPBD_HD static std::uint32_t end(Team const& team, Env const& env, Tick<T> const&, TypeList<Cs...>) {
+    return (unsolved<Cs>(team, env) | ... | 0u);
   }
 
  private:
@@ -244,10 +251,9 @@ template <int iterations_ = 4> struct DirectBanded {
     for (std::int64_t b = 0; b < env.template live<Beads>(); ++b) ((sum += error_length<System, Cs>(env, b)), ...);
     return sum;
   }
-  // A linear step is good while segments turn by less than a radian or so: shortens it to that. False when
-  // it had to.
+  // A linear step is good while segments turn by less than a radian or so: shortens it to that.
   template <class System, class Env, class T, class List>
-  MPMPBD_HD static bool shorten(Env const& env, T dt2, T errors, List list) {
+  MPMPBD_HD static void shorten(Env const& env, T dt2, T errors, List list) {
     std::int64_t const beads = env.template live<Beads>();
     T part = T(1);
     Vec3<T> x_before{}, move_before{};
@@ -261,14 +267,33 @@ template <int iterations_ = 4> struct DirectBanded {
       x_before = x;
       move_before = move;
     }
-    if (part == T(1)) return true;
+    if (part == T(1)) return;
     for (std::int64_t b = 0; b < beads; ++b) {
       auto r = rights<System>(env, b, list);
       if (part > T(0)) r *= part;
       else r = {};
       set_rights<System>(env, b, r, list);
     }
-    return false;
+  }
+
+  // Whether an instance of C is left with an error of more than a tenth of its first segment.
+  template <class C, class Team, class Env> MPMPBD_HD static std::uint32_t unsolved(Team const& team, Env const& env) {
+    using T = typename Env::Scalar;
+    std::uint32_t faults = 0;
+    detail::for_each_instance<C>(team, env, [&](std::int64_t slot) {
+      auto const one = detail::load_instance<C>(env, slot);
+      T const slope = norm(flatten<C, T>(one.at, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{}));
+      T const segment = norm(env.template get<bead::Position>(one.beads[1]) - env.template get<bead::Position>(one.beads[0]));
+      T const error = abs(one.at.value[0] + one.compliance * one.multiplier[0]);
+      bool const moves = !is_held<C>(one.weights);
+      if (moves && !(T(10) * error <= segment * slope)) faults |= static_cast<std::uint32_t>(Fault::solver);
+    });
+    return faults;
+  }
+  template <class C, class W> MPMPBD_HD static bool is_held(W const& weights) {
+    for (int i = 0; i < point_count<C>; ++i)
+      if (weights[i] > 0) return false;
+    return true;
   }
 
   template <class System, class C, class Team, class Env>
