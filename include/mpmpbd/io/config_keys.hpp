@@ -226,10 +226,14 @@ class ConfigRules {
     if (value >= range.low && value <= range.high) return;
     ConfigKey const* const k = find(key);
     ParameterInfo info = k != nullptr ? k->bounds : ParameterInfo{key, ""};
-    info.low = info.low > range.low ? info.low : range.low;
-    info.high = info.high < range.high ? info.high : range.high;
-    if (range.low >= info.low) info.low_is_allowed = true;
-    if (range.high <= info.high) info.high_is_allowed = true;
+    if (range.low > info.low) {
+      info.low = range.low;
+      info.low_is_allowed = true;
+    }
+    if (range.high < info.high) {
+      info.high = range.high;
+      info.high_is_allowed = true;
+    }
     break_rule(key, fmt::format("{}{} is not allowed; give a number in {}{}: {}", value,
                                 detail::unit_text(info), detail::range_text(info),
                                 detail::unit_text(info), because));
