@@ -16,6 +16,7 @@ struct Viscosity {
   static constexpr FixedString name = "viscosity";
   static constexpr Slot slot = Slot::before_scatter;
   static constexpr bool needs_affine = true;
+  static constexpr bool branch_free = true;
   using Reads = Fields<particle::Deformation, particle::Affine, particle::Stress>;
   using Writes = Fields<particle::Stress>;
 
@@ -27,8 +28,8 @@ struct Viscosity {
 
   template <class Item, class K, class T>
   MPMPBD_HD static void apply(Item& p, K const& k, Tick<T> const&) {
-    Mat3<T> const& C = p[particle::Affine{}];
-    Mat3<T> const rate = deviator(C + transpose(C));
+    auto const& C = p[particle::Affine{}];
+    auto const rate = deviator(C + transpose(C));
     p[particle::Stress{}] += (k.eta * determinant(p[particle::Deformation{}])) * rate;
   }
 

@@ -18,6 +18,7 @@ struct StableNeoHookean {
   using Reads = Fields<particle::Deformation>;
   using Writes = Fields<>;
   static constexpr bool needs_positive_volume = false;
+  static constexpr bool branch_free = true;
 
   template <class T> using Parameters = Lame<T>;
   static constexpr auto parameter_info = lame_info;
