@@ -1,15 +1,15 @@
 // Energy, momentum and order: what one exchange must keep, whatever the state.
 #include "catch.hpp"
 
-#include "coupling/rig.hpp"
+#include <cstdlib>
+
+#include "coupling/random_rig.hpp"
 
 namespace {
 
 using namespace test;
-using mpmpbd::cross;
 using mpmpbd::dot;
 using mpmpbd::norm;
-using mpmpbd::vec;
 
 using Q = mpmpbd::QuadraticBSpline;
 using Slippery = mpmpbd::EmbeddedForm<Q, mpmpbd::NoFriction, mpmpbd::NoDrag, false>;
@@ -17,91 +17,6 @@ using Rough = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, false>;
 using RoughDragged = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::Drag, false>;
 using Bending = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, true>;
 using Dragged = mpmpbd::EmbeddedForm<Q, mpmpbd::NoFriction, mpmpbd::Drag, true>;
-
-struct Draw {
-  std::mt19937 random;
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> unit{0, 1};
-  double log_uniform(double a, double b) { return a * std::pow(b / a, unit(random)); }
-  template <class T> Vec3<T> arrow() { return vec(T(normal(random)), T(normal(random)), T(normal(random))); }
-};
-
-struct Extras {
-  bool needle = false, swage = false, one_sided = false, walls = false, kinematic = false;
-};
-
-// Random masses over five decades around a thread of random shape, with random speeds, stretch, carried
-// impulses, tensions, holes in the tissue and (on request) a needle, tip, surface points and walls.
-template <class T, class Form> Rig<T, Form> random_rig(Draw& d, Extras const& extra = {}) {
-  Rig<T, Form> r(12, 12, 12);
-  // Float: a light free bead that bends stiffly loses its mass in rounding (dt^2 EI / l^3 m > 1e4).
-  double const lightest = Form::bends && sizeof(T) == 4 ? 1e-1 : 1e-4;
-  double const ratio = d.log_uniform(lightest, 1e4), hole = d.unit(d.random) * 0.4;
-  for (std::size_t i = 0; i < r.mass.size(); ++i) {
-    if (d.unit(d.random) < hole) continue;
-    r.mass[i] = T(d.log_uniform(0.05, 1));
-    r.inverse_mass[i] = T(1) / r.mass[i] * vec(T(1), T(1), T(1));
-    r.velocity[i] = T(0.1) * d.arrow<T>();
-    double const wall = d.unit(d.random);
-    if (extra.walls && wall < 0.2) r.inverse_mass[i][static_cast<int>(wall * 15)] = 0;
-    if (extra.walls && wall > 0.9) r.inverse_mass[i] = {};
-    for (int a = 0; a < 3; ++a)
-      if (r.inverse_mass[i][a] == 0) r.velocity[i][a] = 0;
-  }
-  Vec3<T> x = vec(T(3), T(3), T(3)) + T(0.5) * d.arrow<T>(), heading = mpmpbd::direction(vec(T(1), T(1), T(1)));
-  int const beads = 6 + static_cast<int>(d.unit(d.random) * 3);
-  for (int k = 0; k < beads; ++k) {
-    r.add_bead(x, T(ratio * (0.5 + d.unit(d.random))));
-    heading = mpmpbd::direction(heading + T(0.3) * d.arrow<T>());
-    x += T(0.4 + 0.6 * d.unit(d.random)) * heading;
-    for (int a = 0; a < 3; ++a) x[a] = mpmpbd::clamp(x[a], T(2), T(9));
-  }
-  for (std::size_t k = 0; k < r.bead.size(); ++k) {
-    r.bead_velocity[k] = T(0.1) * d.arrow<T>();
-    if (k + 1 < r.bead.size()) r.rest_length[k] *= T(1 + 0.02 * d.normal(d.random));
-    r.impulse[k] = T(d.unit(d.random) < 0.5 ? 0 : d.log_uniform(1e-3, 1));
-    r.rest_angle[k] = T(d.unit(d.random) < 0.5 ? 0 : d.unit(d.random));
-  }
-  r.stretch_compliance = d.unit(d.random) < 0.2 ? T(0) : T(d.log_uniform(1e-5, 1e-1));
-  r.bending_stiffness = T(d.log_uniform(1e-2, 1e2));
-  if constexpr (Form::FrictionLaw::grips) r.friction = {T(d.log_uniform(0.01, 3)), T(d.log_uniform(1e-3, 1))};
-  if constexpr (Form::DragLaw::drags) r.drag = {T(d.log_uniform(1e-2, 1e2))};
-
-  std::vector<mpmpbd::ContactPoint<T>> needle;
-  if (extra.needle) {
-    r.needle.motion = extra.kinematic ? Motion::kinematic : Motion::dynamic;
-    r.needle.swaged = extra.swage && !extra.kinematic;
-    r.needle.centre = vec(T(6), T(6), T(6));
-    r.needle.mass = T(ratio * 3);
-    r.needle.inertia = T(ratio) * Mat3<T>::identity();
-    r.needle.velocity = extra.kinematic ? Vec3<T>{} : T(0.1) * d.arrow<T>();
-    r.needle.spin = extra.kinematic ? Vec3<T>{} : T(0.1) * d.arrow<T>();
-    for (int i = 0; i < 8; ++i) {
-      double const phi = 0.3 * i;
-      mpmpbd::ContactPoint<T> p{};
-      p.position = r.needle.centre + vec(T(2.5 * std::cos(phi)), T(2.5 * std::sin(phi)), T(0.4));
-      p.axis = vec(T(-std::sin(phi)), T(std::cos(phi)), T(0));
-      p.length = T(0.75);
-      p.radius = T(0.1);
-      p.segment = -1;
-      p.contact = Contact::member;
-      p.impulse = T(0.05) * d.arrow<T>();
-      needle.push_back(p);
-    }
-    if (extra.one_sided) {
-      needle.back().contact = Contact::tip;
-      needle.back().force_cap = T(d.log_uniform(1e-2, 10));
-    }
-  }
-  r.allocate(needle);
-  for (auto& p : r.points) {
-    p.radius = T(0.1);
-    p.pressure = T(0.3 * d.normal(d.random));
-    if (p.segment >= 0) p.impulse = d.unit(d.random) < 0.3 ? Vec3<T>{} : T(0.05) * d.arrow<T>();
-    if (extra.one_sided && p.contact != Contact::tip && d.unit(d.random) < 0.4) p.contact = Contact::surface;
-  }
-  return r;
-}
 
 // The stretch and bending part of E_c, before (from the shape) and after (from the solution).
 template <class T, class Form> double thread_energy(Rig<T, Form>& r, bool after, std::vector<mpmpbd::Joint<T>> const& joints) {
@@ -129,7 +44,7 @@ struct Gain {
 };
 
 template <class T, class Form> Gain survey(int count, Extras const& extra, double tolerance, unsigned seed = 1) {
-  Draw d{std::mt19937(seed), {}};
+  Draw d(seed);
   Gain gain;
   for (int n = 0; n < count; ++n) {
     auto r = random_rig<T, Form>(d, extra);

@@ -104,6 +104,20 @@ template <class T, class Form_> struct Rig {
   }
   GridNodes<T> nodes() { return {mass.data(), inverse_mass.data(), velocity.data()}; }
 
+  // Tissue velocity minus body velocity at a point, where the last exchange saw it.
+  Vec3<T> slip(int q) {
+    constexpr int n = mpmpbd::nodes_per_point<typename Form::Shape>;
+    T w[n];
+    int node[n];
+    auto const& p = points[static_cast<std::size_t>(q)];
+    Vec3<T> u{};
+    if (!(mpmpbd::embedding_weights<typename Form::Shape>(lattice, p.position, nodes(), w, node) > 0)) return u;
+    for (int a = 0; a < n; ++a) u += w[a] * velocity[static_cast<std::size_t>(node[a])];
+    if (p.segment < 0) return u - needle.velocity - mpmpbd::cross(needle.spin, p.position - needle.centre);
+    auto const k = static_cast<std::size_t>(p.segment);
+    return u - (1 - p.along) * bead_velocity[k] - p.along * bead_velocity[k + 1];
+  }
+
   // One substep's coupling; thread points in tissue less dense than `least` are off.
   std::uint32_t couple(double least = 0.25) {
     auto x = view();

@@ -432,11 +432,11 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     PointWork<T>& w = x.work[q];
     return law.yields(x.points[q], w.hold, w.J + w.dJ, w.slip_impulse);
   }
-  MPMPBD_HD Hold releases(int q) const {
-    PointWork<T> const& w = x.work[q];
-    ContactPoint<T> const& p = x.points[q];
-    bool const one_sided = p.contact == Contact::surface || p.contact == Contact::tip;
-    return one_sided && dot(p.axis, w.J + w.dJ) < T(0) ? Hold::open : w.hold;
+  // One-sided points go on letting go until none pulls and no tip exceeds its cap: these limits are hard.
+  MPMPBD_HD Hold releases(int q) const { return one_sided(q) ? yields(q) : x.work[q].hold; }
+  MPMPBD_HD bool one_sided(int q) const {
+    Contact const c = x.points[q].contact;
+    return c == Contact::surface || c == Contact::tip;
   }
   MPMPBD_HD Hold reconsiders(int q) const {
     PointWork<T>& w = x.work[q];
@@ -444,8 +444,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     Vec3<T> const slip = w.u + w.D * w.dJ - body_velocity(q);
     Hold const next = law.returns(p, w.hold, w.J + w.dJ, slip);
     if (next != w.hold) w.slip_impulse = {};
-    bool const one_sided = p.contact == Contact::surface || p.contact == Contact::tip;
-    return one_sided && next == w.hold ? yields(q) : next;
+    return one_sided(q) && next == w.hold ? yields(q) : next;
   }
 
   MPMPBD_HD void sweep() const {

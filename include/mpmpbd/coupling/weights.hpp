@@ -10,14 +10,33 @@ template <class Shape> inline constexpr int nodes_per_point = Shape::width * Sha
 
 namespace detail {
 
-// Calls f(a, node, weight, d) for every node of the stencil in a fixed order; d = x_i - x in cells.
+// The first node of a point along each axis, and its distance from there [cells].
+template <class T> struct Neighbourhood {
+  int base[3];
+  T f[3];
+  bool inside;  // all its nodes exist
+};
+template <class Shape, class T>
+MPMPBD_HD Neighbourhood<T> neighbourhood(Lattice<T> const& lattice, Vec3<T> const& x) {
+  Neighbourhood<T> s{{}, {}, is_finite(x)};
+  for (int a = 0; a < 3 && s.inside; ++a) {
+    T const cells = x[a] * lattice.inverse_dx;
+    T const first = floor(cells - T(Shape::offset));
+    s.f[a] = cells - first;
+    s.inside = first >= T(0) && first <= T(lattice.nodes[a] - Shape::width);
+    if (s.inside) s.base[a] = static_cast<int>(first);
+  }
+  return s;
+}
+
+// Calls f(a, node, weight, d) for every node of a point in a fixed order; d = x_i - x in cells.
 template <class Shape, class T, class F>
-MPMPBD_HD void for_each_node(Lattice<T> const& lattice, Stencil<T, Shape> const& s, F const& f) {
+MPMPBD_HD void for_each_node(Lattice<T> const& lattice, Neighbourhood<T> const& s, F const& f) {
   int a = 0;
   for (int k = 0; k < Shape::width; ++k)
     for (int j = 0; j < Shape::width; ++j)
       for (int i = 0; i < Shape::width; ++i, ++a) {
-        int const node = static_cast<int>(lattice.index(s.base(0) + i, s.base(1) + j, s.base(2) + k));
+        int const node = static_cast<int>(lattice.index(s.base[0] + i, s.base[1] + j, s.base[2] + k));
         T const w = Shape::weight(i, s.f[0]) * Shape::weight(j, s.f[1]) * Shape::weight(k, s.f[2]);
         f(a, node, w, vec(T(i) - s.f[0], T(j) - s.f[1], T(k) - s.f[2]));
       }
@@ -34,12 +53,12 @@ MPMPBD_HD void for_each_node(Lattice<T> const& lattice, Stencil<T, Shape> const&
 template <class Shape, class T, class Nodes>
 MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
                               T* weight, int* node) {
-  auto const stencil = Stencil<T, Shape>::at(lattice, x);
-  if (!stencil.inside(lattice)) return T(0);
+  auto const near = detail::neighbourhood<Shape>(lattice, x);
+  if (!near.inside) return T(0);
   T total = T(0);
   Vec3<T> first{};   // M1 = sum w d
   Mat3<T> second{};  // M2 = sum w d d^T
-  detail::for_each_node(lattice, stencil, [&](int a, int i, T w, Vec3<T> const& d) {
+  detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T w, Vec3<T> const& d) {
     T const wm = w * nodes.mass(i);
     total += wm;
     weight[a] = wm;
@@ -55,7 +74,7 @@ MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes
   Vec3<T> const z = inverse(second) * first;
   T const rest = 1 - dot(first, z);
   if (!(rest >= T(0.25))) return T(0);
-  detail::for_each_node(lattice, stencil, [&](int a, int, T, Vec3<T> const& d) {
+  detail::for_each_node<Shape>(lattice, near, [&](int a, int, T, Vec3<T> const& d) {
     weight[a] *= (1 - dot(z, d)) / (rest * total);
   });
   return total;
