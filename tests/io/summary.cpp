@@ -35,7 +35,7 @@ TEST_CASE("a number that is not finite is named, not dropped", "[io][summary]") 
 
 TEST_CASE("a truncated summary is refused with its path", "[io][summary]") {
   Scratch const scratch;
-  write_file(scratch / "cut.json", "{\"peak force\": {\"val");
+  write_file(scratch / "cut.json", R"({"peak force": {"val)");
   CHECK_THAT(complaint<FileError>([&] { read_json(scratch / "cut.json"); }),
              Contains((scratch / "cut.json").string()));
 }

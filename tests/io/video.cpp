@@ -21,7 +21,7 @@ Image frame(int number, int width = 6, int height = 4) {
 
 // A program that stands in for ffmpeg.
 Path script(Scratch const& scratch, std::string const& body) {
-  Path const path = scratch / "encoder.sh";
+  Path path = scratch / "encoder.sh";
   write_file(path, "#!/bin/sh\n" + body + "\n");
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   return path;

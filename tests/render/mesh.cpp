@@ -41,7 +41,7 @@ TEST_CASE("a rounded box is watertight and everywhere its radius away from the i
     Vec3<float> inner;
     for (int axis = 0; axis < 3; ++axis)
       inner[axis] = clamp(p[axis], low[axis] + radius, high[axis] - radius);
-    CHECK_THAT(norm(p - inner), WithinAbs(radius, 1e-6));
+    CHECK_THAT(norm(p - inner), WithinAbs(double(radius), 1e-6));
   }
 }
 

@@ -86,7 +86,7 @@ TEST_CASE("the tube does not turn about its line", "[render][tube]") {
   for (std::size_t ring = 0; ring < 36 * 3; ++ring)
     for (std::size_t k = 0; k < 8; ++k)
       CHECK_THAT(tube.positions[first + 8 * ring + k][1],
-                 WithinAbs(tube.positions[first + k][1], 1e-5));
+                 WithinAbs(double(tube.positions[first + k][1]), 1e-5));
 }
 
 TEST_CASE("a needle ends in a point at its tip and is full wire before the taper",

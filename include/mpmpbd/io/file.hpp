@@ -36,8 +36,9 @@ inline FileError cannot(std::string_view verb, Path const& path, int error) {
   if (error == EACCES)
     advice = fmt::format("; allow access to the folder '{}' or give another path", folder);
   if (error == ENOSPC || error == EFBIG) advice = "; free some space or give another path";
-  return FileError(
+  FileError complaint(
       fmt::format("cannot {} '{}': {}{}", verb, path.string(), std::strerror(error), advice));
+  return complaint;
 }
 
 }  // namespace detail

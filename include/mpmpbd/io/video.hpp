@@ -14,8 +14,6 @@
 
 #include <mpmpbd/io/png.hpp>
 
-extern "C" char** environ;
-
 namespace mpmpbd::io {
 
 namespace detail {
@@ -26,6 +24,7 @@ class Encoder {
   // `log` takes what the program has to say.
   Encoder(std::vector<std::string> const& command, Path const& log) {
     std::vector<char*> arguments;
+    arguments.reserve(command.size() + 1);
     for (std::string const& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     // A socket and not a pipe: sending to a program that has died is an error here, not a signal.
@@ -51,7 +50,7 @@ class Encoder {
 
   bool running() const { return socket_ >= 0; }
 
-  bool send(void const* data, std::size_t bytes) {
+  bool send(void const* data, std::size_t bytes) const {
     auto const* from = static_cast<char const*>(data);
     while (bytes > 0) {
       ssize_t const sent = ::send(socket_, from, bytes, MSG_NOSIGNAL);

@@ -35,6 +35,7 @@ struct Picture {
 };
 
 inline constexpr int none = -1;
+inline constexpr float infinitely_far = __builtin_huge_valf();
 
 MPMPBD_HD inline Subject const& subject_of(Picture const& picture, int triangle) {
   int k = picture.subject_count - 1;
@@ -94,7 +95,7 @@ MPMPBD_HD inline void roughen(Finish const& finish, Vec3<float> const& x, float 
   Noise n = noise(scale * x);
   n.value *= 0.65f;
   // What is finer than a pixel would only flicker, so it fades out before.
-  float const seen = clamp(0.25f * finish.grain / pixel - 1.5f, 0.0f, 1.0f);
+  float const seen = clamp(0.25f * finish.grain / pixel - 2.5f, 0.0f, 1.0f);
   if (seen > 0.0f) {
     Noise const fine = noise(2.7f * scale * x);
     n.value += 0.35f * seen * fine.value;
@@ -155,7 +156,7 @@ MPMPBD_HD inline Vec3<float> surroundings_at(Picture const& picture, Ray const& 
   Studio const& s = picture.studio;
   float const climb = dot(ray.world, s.up);
   float const height = dot(picture.camera.eye, s.up) - s.ground_height;
-  distance = 1.0f / 0.0f;
+  distance = infinitely_far;
   Vec3<float> const sky = background(s, ray.world);
   if (!s.ground || climb * height >= 0.0f) return sky;
   distance = -height / climb;
@@ -175,7 +176,7 @@ MPMPBD_HD inline Vec3<float> surroundings_at(Picture const& picture, Ray const& 
 MPMPBD_HD inline Vec3<float> light_along(Picture const& picture, int opaque, int veil,
                                          Ray const& ray) {
   Vec3<float> behind{};
-  float distance = 1.0f / 0.0f;
+  float distance = infinitely_far;
   if (opaque != none) {
     Surface const inner = surface_at(picture, opaque, ray);
     behind = inner.light;

@@ -5,6 +5,7 @@
 // Nothing depends on the order of threads or on the last frame: equal scenes give equal bytes.
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <span>
 #include <vector>
@@ -97,7 +98,9 @@ class Rasteriser {
       if (!translucent(object.finish)) opaque.push_back(object.mesh);
     }
     Studio const& s = picture.studio;
-    on_tissue_.start(opaque, s.key, 320, 0.006f * s.reach);
+    // As fine as the picture, and no finer than its blur shows.
+    int const texels = min(320, max(picture.camera.width, picture.camera.height));
+    on_tissue_.start(opaque, s.key, texels, 0.006f * s.reach);
     picture.on_tissue = on_tissue_.view();
     if (!s.ground) return;
     on_ground_.start(all, s.key, 128, 0.05f * s.reach);
@@ -185,11 +188,11 @@ class Rasteriser {
     static std::vector<std::uint8_t> const table = [] {
       std::vector<std::uint8_t> t(table_size);
       for (std::size_t i = 0; i < table_size; ++i)
-        t[i] = std::uint8_t(255.0f * srgb(float(i) / float(table_size - 1)) + 0.5f);
+        t[i] = std::uint8_t(std::lround(255.0f * srgb((float(i) + 0.5f) / float(table_size))));
       return t;
     }();
     // max first: it turns a NaN into black instead of an index.
-    return table[std::size_t(min(max(0.0f, linear), 1.0f) * float(table_size - 1) + 0.5f)];
+    return table[std::size_t(min(max(0.0f, linear), 1.0f) * float(table_size - 1))];
   }
   static constexpr std::size_t table_size = 4096;
 

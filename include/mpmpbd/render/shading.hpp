@@ -124,21 +124,25 @@ struct Noise {
   Vec3<float> gradient;
 };
 
-MPMPBD_HD inline float lattice_value(int x, int y, int z) {
-  unsigned h = unsigned(x) * 0x8da6b343u ^ unsigned(y) * 0xd8163841u ^ unsigned(z) * 0xcb1ab31fu;
+// A number from -1 to 1 that looks random, from the mixed coordinates of a lattice point.
+MPMPBD_HD inline float lattice_value(unsigned h) {
   h = (h ^ (h >> 15)) * 0x2c1b3c6du;
   h ^= h >> 12;
   return float(int(h & 0xffffu)) * (2.0f / 65535.0f) - 1.0f;
 }
 
 MPMPBD_HD inline Noise noise(Vec3<float> const& x) {
-  int cell[3];
-  float s[3];      // smooth position in the cell
-  float slope[3];  // its derivative
+  constexpr unsigned prime[3] = {0x8da6b343u, 0xd8163841u, 0xcb1ab31fu};
+  unsigned mixed[3][2];  // of the lattice coordinates below and above
+  float s[3];            // smooth position in the cell
+  float slope[3];        // its derivative
   for (int i = 0; i < 3; ++i) {
-    float const below = floor(x[i]);
-    float const t = x[i] - below;
-    cell[i] = int(below);
+    // Rounded down without floor(), which is a call on machines without SSE4.
+    int const truncated = int(x[i]);
+    int const cell = float(truncated) > x[i] ? truncated - 1 : truncated;
+    mixed[i][0] = unsigned(cell) * prime[i];
+    mixed[i][1] = mixed[i][0] + prime[i];
+    float const t = x[i] - float(cell);
     s[i] = t * t * (3.0f - 2.0f * t);
     slope[i] = 6.0f * t * (1.0f - t);
   }
@@ -147,8 +151,9 @@ MPMPBD_HD inline Noise noise(Vec3<float> const& x) {
   for (int k = 0; k < 2; ++k) {
     float line[2], change[2];
     for (int j = 0; j < 2; ++j) {
-      float const a = lattice_value(cell[0], cell[1] + j, cell[2] + k);
-      change[j] = lattice_value(cell[0] + 1, cell[1] + j, cell[2] + k) - a;
+      unsigned const row = mixed[1][j] ^ mixed[2][k];
+      float const a = lattice_value(mixed[0][0] ^ row);
+      change[j] = lattice_value(mixed[0][1] ^ row) - a;
       line[j] = a + s[0] * change[j];
     }
     value[k] = line[0] + s[1] * (line[1] - line[0]);

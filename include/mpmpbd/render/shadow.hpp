@@ -5,6 +5,7 @@
 // touch the ground (seen straight from above, blurred widely).
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -63,7 +64,7 @@ class ShadowMap {
     for (Mesh const* mesh : casters)
       for (Triangle const& t : mesh->triangles) cast(*mesh, t);
     // Three box filters are a good Gaussian; casters keep their height as far as their blur reaches.
-    int const radius = int(blur * view_.per_metre / 1.7f + 0.5f);
+    int const radius = int(std::lround(blur * view_.per_metre / 1.7f));
     spread_top(3 * radius);
     for (int pass = 0; pass < 3; ++pass) box_filter(radius);
     view_.softness = max(blur, 1.0f / view_.per_metre);

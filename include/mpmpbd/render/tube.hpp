@@ -30,8 +30,13 @@ namespace detail {
 // A point of the centripetal Catmull-Rom curve between b and c, 0 <= s <= 1 (Barry and Goldman's
 // pyramid). Knots are square roots of the distances: no loops where beads are unevenly spaced.
 inline Vec3<float> catmull_rom(Vec3<float> const (&p)[4], float s) {
-  float knot[4] = {};
-  for (int i = 1; i < 4; ++i) knot[i] = knot[i - 1] + max(sqrt(norm(p[i] - p[i - 1])), 1e-9f);
+  float spacing[3];
+  for (int i = 0; i < 3; ++i) spacing[i] = sqrt(norm(p[i + 1] - p[i]));
+  float const longest = max(spacing[0], max(spacing[1], spacing[2]));
+  if (longest <= 0.0f) return p[1];
+  float knot[4] =
+      {};  // beads that coincide keep a little distance, so that nothing divides by zero
+  for (int i = 0; i < 3; ++i) knot[i + 1] = knot[i] + max(spacing[i], 0.05f * longest);
   float const t = knot[1] + s * (knot[2] - knot[1]);
   Vec3<float> level[4] = {p[0], p[1], p[2], p[3]};
   for (int span = 1; span < 4; ++span)
