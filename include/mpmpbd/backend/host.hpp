@@ -5,6 +5,7 @@
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/coupling/team.hpp>
 #include <mpmpbd/mpm/time_step.hpp>
+#include <mpmpbd/pbd/access.hpp>
 #include <mpmpbd/scene/scene.hpp>
 
 namespace mpmpbd {

@@ -122,7 +122,7 @@ template <class Body> class RodAssembly {
 
   template <class C, class Store> void write_instances(Store& store, std::int64_t env, Sweep sweep) const {
     using T = typename Store::Scalar;
-    using Slot = instance<C>;
+    using Its = instance<C>;
     auto const& list = of<C>();
     auto colours = colour_greedily(list.beads, beads());
     if (sweep == Sweep::along) std::iota(colours.begin(), colours.end(), 0);
@@ -136,19 +136,19 @@ template <class Body> class RodAssembly {
       std::size_t const from = order[slot];
       auto const s = static_cast<std::int64_t>(slot);
       if (slot + 1 < order.size() && colours[from] != colours[order[slot + 1]]) end = s + 1;
-      table.template set<typename Slot::ColourEnd>(env, s, end);
-      typename Slot::Index::Shape::template Value<T> index{};
-      if constexpr (Slot::Index::components == 1) index = list.beads[from][0];
+      table.template set<typename Its::ColourEnd>(env, s, end);
+      typename Its::Index::Shape::template Value<T> index{};
+      if constexpr (Its::Index::components == 1) index = list.beads[from][0];
       else for (std::size_t i = 0; i < list.beads[from].size(); ++i) index[static_cast<int>(i)] = list.beads[from][i];
-      table.template set<typename Slot::Index>(env, s, index);
+      table.template set<typename Its::Index>(env, s, index);
       if constexpr (parameter_count<C> > 0) {
         auto const* numbers = reinterpret_cast<double const*>(&list.parameters[from]);
-        value_t<typename Slot::Parameters, T> flat{};
+        value_t<typename Its::Parameters, T> flat{};
         if constexpr (parameter_count<C> == 1) flat = T(numbers[0]);
         else for (int i = 0; i < static_cast<int>(parameter_count<C>); ++i) flat[i] = T(numbers[i]);
-        table.template set<typename Slot::Parameters>(env, s, flat);
+        table.template set<typename Its::Parameters>(env, s, flat);
       }
-      table.template set<typename Slot::Multiplier>(env, s, {});
+      table.template set<typename Its::Multiplier>(env, s, {});
     }
   }
 
