@@ -38,8 +38,9 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   explicit Simulation(SimulationOptions options, Backend backend = {})
       : options_(std::move(options)), backend_(backend), state_(options_.environments) {
     check_options();
-    lattice_ = Lattice<T>::make(T(options_.cell_size), options_.nodes[0], options_.nodes[1],
-                                options_.nodes[2]);
+    if constexpr (Scene::has_body)
+      lattice_ = Lattice<T>::make(T(options_.cell_size), options_.nodes[0], options_.nodes[1],
+                                  options_.nodes[2]);
     for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D>) {
       state_.template table<D>().resize(options_.environments, slots<D>());
     });
@@ -213,9 +214,11 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     detail::require(
         options_.environments > 0,
         "environments = " + std::to_string(options_.environments) + "; give at least 1");
-    check_parameter("SimulationOptions", bound::positive("cell_size", "m"), options_.cell_size);
-    for (int n : options_.nodes)
-      detail::require(n >= 4, "nodes per axis = " + std::to_string(n) + "; give at least 4");
+    if constexpr (Scene::has_body) {
+      check_parameter("SimulationOptions", bound::positive("cell_size", "m"), options_.cell_size);
+      for (int n : options_.nodes)
+        detail::require(n >= 4, "nodes per axis = " + std::to_string(n) + "; give at least 4");
+    }
     detail::require(options_.substeps >= 0, "substeps = " + std::to_string(options_.substeps) +
                                                 "; give 0 (automatic) or a positive number");
   }
