@@ -180,6 +180,37 @@ TEMPLATE_TEST_CASE("a command that jumps is followed with bounded acceleration",
   REQUIRE(needle::twist(view, 0).angular == wanted.angular);
 }
 
+TEMPLATE_TEST_CASE("a steered needle meets a marker that has moved, without a jump", "[needle][steering]", float, double) {
+  using T = TestType;
+  auto const path = paper();
+  auto const script = suture_script(path, paper_arc());
+  Table<T, Needles, needle::SteeredState> table(1, 1);
+  auto const view = table.view();
+  kinematic::reset(view, 0, script);
+  Vec3<double> const moved_exit = path.exit + vec(0.03, 0.02, 0.025);
+  auto const offset = path.offset_to(moved_exit);
+  REQUIRE(norm(path.offset_to(path.exit)) < 1e-15);
+  REQUIRE(std::abs(norm(moved_exit - path.centre - offset) - path.radius) < 1e-15);
+  REQUIRE(std::abs(dot(moved_exit - path.centre - offset, path.axis)) < 1e-15);
+  REQUIRE(norm(offset) < norm(moved_exit - path.exit));
+  T closest = T(1), gap = T(0);
+  double const dt = 1e-3;
+  for (int i = 0; i < 6000; ++i) {
+    auto const wanted = i < 2000 ? Vec3<T>{} : cast<T>(offset);
+    auto const before = needle::pose(view, 0);
+    kinematic::begin_steered(view, 0, script, i * dt, (i + 1) * dt, wanted, T(0.02));
+    auto const twist = needle::twist(view, 0);
+    kinematic::finish_steered(view, 0, script, (i + 1) * dt);
+    auto const after = needle::pose(view, 0);
+    gap = max(gap, norm(before.position + T(dt) * twist.linear - after.position));
+    REQUIRE(norm(after.position - before.position) <= T(0.02 * dt) + 8 * epsilon<T>);
+    if (i < 2000) REQUIRE(after.position == cast<T>(script.pose((i + 1) * dt).position));
+    closest = min(closest, norm(to_world(after, vec<T>(T(0.32), T(0), T(0))) - cast<T>(moved_exit)));
+  }
+  REQUIRE(gap <= 8 * epsilon<T>);
+  REQUIRE(closest < T(2e-4));  // the tip moves 0.2 mm per step there
+}
+
 TEST_CASE("impossible scripts and paths are refused", "[needle][script]") {
   Pose<double> const start = Pose<double>::identity();
   auto script = [&] { return Script::at(start); };

@@ -109,6 +109,10 @@ template <class T> struct LineHit {
 // The crossing of the whole line with a triangle; corners projected by SheetLine.
 template <class T>
 MPMPBD_HD LineHit<T> cross_projected(Vec3<T> const& a, Vec3<T> const& b, Vec3<T> const& c) {
+  // Most triangles are clearly beside the line.
+  LineHit<T> none{false, false, T(0), {{T(0), T(0)}}};
+  for (int i = 0; i < 2; ++i)
+    if ((a[i] > T(0) && b[i] > T(0) && c[i] > T(0)) || (a[i] < T(0) && b[i] < T(0) && c[i] < T(0))) return none;
   // On which side of the edge p -> q the origin lies. The tie-break is antisymmetric in p and q, so two
   // triangles that share an edge agree about it.
   auto side = [](Vec3<T> const& p, Vec3<T> const& q) {
@@ -118,7 +122,6 @@ MPMPBD_HD LineHit<T> cross_projected(Vec3<T> const& a, Vec3<T> const& b, Vec3<T>
     return s;
   };
   int const u = side(b, c), v = side(c, a), w = side(a, b);
-  LineHit<T> none{false, false, T(0), {{T(0), T(0)}}};
   if (u == 0 || u != v || v != w) return none;
   // Magnitudes by plain arithmetic; signs are known, so rounding cannot leave the triangle.
   T const sign = T(u);

@@ -63,13 +63,28 @@ template <class T> struct NeedleBody {
     return T(0.5) * (mass * dot(v, v) + dot(twist.angular, times_inertia(pose, twist.angular)));
   }
 
+  // What a solve for a free body takes: velocity and spin about the centre of mass, inertia in world axes.
+  MPMPBD_HD Mat3<T> world_inertia(Pose<T> const& pose) const {
+    Mat3<T> m{};
+    for (int k = 0; k < 3; ++k) {
+      Vec3<T> e{};
+      e[k] = T(1);
+      Vec3<T> const column = times_inertia(pose, e);
+      for (int i = 0; i < 3; ++i) m(i, k) = column[i];
+    }
+    return m;
+  }
+  MPMPBD_HD Twist<T> twist_from_centre(Pose<T> const& pose, Vec3<T> const& velocity, Vec3<T> const& spin) const {
+    return {velocity - cross(spin, arm(pose)), spin};
+  }
+
   // The twist after an impulse [N s] at a world point and an angular impulse [N m s].
   MPMPBD_HD Twist<T> kicked(Pose<T> const& pose, Twist<T> const& twist, Vec3<T> const& impulse, Vec3<T> const& at,
                             Vec3<T> const& angular_impulse = {}) const {
     Vec3<T> const l = cross(at - centre_of_mass(pose), impulse) + angular_impulse;
     Vec3<T> const w = twist.angular + divided_by_inertia(pose, l);
     Vec3<T> const v = velocity_of_centre(pose, twist) + T(1) / mass * impulse;
-    return {v - cross(w, arm(pose)), w};
+    return twist_from_centre(pose, v, w);
   }
 
   // Velocity change of world point `at` per impulse at world point `by`: what a contact solve inverts.

@@ -14,7 +14,11 @@ struct Orientation : Field<"q", "1", Numbers<4>, Needles> {};           // unit 
 struct LinearVelocity : Field<"v", "m/s", Vector, Needles> {};          // of the arc's centre
 struct AngularVelocity : Field<"omega", "rad/s", Vector, Needles> {};   // world axes
 
+// Only of a needle that is steered: how far its script has been shifted so far.
+struct Offset : Field<"offset", "m", Vector, Needles> {};
+
 using State = Fields<Position, Orientation, LinearVelocity, AngularVelocity>;
+using SteeredState = Fields<Position, Orientation, LinearVelocity, AngularVelocity, Offset>;
 
 template <class View> MPMPBD_HD auto pose(View const& view, std::int64_t item) {
   return Pose<typename View::Scalar>{view.template get<Position>(item), view.template get<Orientation>(item)};

@@ -26,6 +26,26 @@ MPMPBD_HD void finish_scripted(View const& view, std::int64_t item, Script const
   needle::set_pose(view, item, cast_pose<typename View::Scalar>(script.pose(t1)));
 }
 
+// A script that is shifted, at `speed` [m/s] at most, to a wanted offset [m]: how a hand corrects its way
+// while it sees a marker move (SuturePath::offset_to). With offset 0 it is the script, bit for bit.
+template <class View, class T>
+MPMPBD_HD void begin_steered(View const& view, std::int64_t item, Script const& script, double t0, double t1, Vec3<T> const& wanted, T speed) {
+  T const dt = T(t1 - t0);
+  Twist<T> twist{cast<T>(script.twist(t0, t1).linear), cast<T>(script.twist(t0, t1).angular)};
+  Vec3<T> const d = wanted - view.template get<needle::Offset>(item);
+  T const length = norm(d);
+  Vec3<T> const shift = length > speed * dt ? (speed * dt / length) * d : d;
+  twist.linear += T(1) / dt * shift;
+  needle::set_twist(view, item, twist);
+  view.template set<needle::Offset>(item, view.template get<needle::Offset>(item) + shift);
+}
+template <class View>
+MPMPBD_HD void finish_steered(View const& view, std::int64_t item, Script const& script, double t1) {
+  auto pose = cast_pose<typename View::Scalar>(script.pose(t1));
+  pose.position += view.template get<needle::Offset>(item);
+  needle::set_pose(view, item, pose);
+}
+
 template <class View, class T>
 MPMPBD_HD void begin_commanded(View const& view, std::int64_t item, Twist<T> const& wanted, T acceleration,
                                T angular_acceleration, T dt) {

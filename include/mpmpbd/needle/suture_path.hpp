@@ -42,6 +42,16 @@ struct SuturePath {
     return p;
   }
 
+  // The smallest shift of the centre after which the needle's circle goes through `marker` [m]: for a
+  // marker that has moved with the tissue while the needle drives.
+  MPMPBD_HD Vec3<double> offset_to(Vec3<double> const& marker) const {
+    Vec3<double> const e = marker - centre;
+    double const across = dot(e, axis);
+    Vec3<double> const in_plane = e - across * axis;
+    double const r = norm(in_plane);
+    return across * axis + (r > 0.0 ? (r - radius) / r : 0.0) * in_plane;
+  }
+
   // The pose in which the tip is `angle` past the entry marker (negative: before it).
   Pose<double> pose(double past_entry) const {
     auto const turn = quaternion::from_axis_angle(axis, past_entry);

@@ -185,9 +185,8 @@ MPMPBD_HD bool is_member(Set const& set, std::int64_t needle, S const& sheet, Ve
 template <class Set, class S, class C, class T>
 MPMPBD_HD std::uint32_t meet_surface(ContactPoint<T>& point, Set const& set, std::int64_t needle, S const& sheet, C const& columns, T dx) {
   point.contact = Contact::off;
-  if (!(point.coverage > T(0))) return 0u;
+  if (!(point.coverage > T(0)) || !is_inside(sheet, columns, point.position)) return 0u;
   auto const surface = nearest_on_sheet(sheet, columns, point.position, dx);
-  if (!(surface.distance <= T(0))) return 0u;
   // In the cut there is no surface to lie on.
   if (set.near_track(needle, point.position, T(ChannelLimits::track) * dx)) return 0u;
   if (surface.found) {

@@ -20,7 +20,7 @@ struct Item : Field<"item", "1", Integer, SheetItems> {};       // a triangle
 
 template <class T, class Firsts, class Items> struct Columns {
   Vec<T, 2> origin;   // low corner [m]
-  T width;            // of a column [m]
+  T inverse_width;    // of a column [1/m]
   int count[2];
   T margin;           // how far vertices may move before the lists are rebuilt [m]
   Firsts first;       // count[0] * count[1] + 1 entries
@@ -28,7 +28,7 @@ template <class T, class Firsts, class Items> struct Columns {
   std::int64_t capacity;  // of items
 
   MPMPBD_HD int column(int axis, T x) const {
-    T const c = floor((x - origin[axis]) / width);
+    T const c = (x - origin[axis]) * inverse_width;
     // What is outside (and NaN) belongs to the border columns.
     if (!(c > T(0))) return 0;
     return c < T(count[axis]) ? static_cast<int>(c) : count[axis] - 1;
@@ -85,7 +85,7 @@ template <class T, class Firsts, class Items> struct Columns {
 template <class T, class Firsts, class Items>
 MPMPBD_HD Columns<T, Firsts, Items> make_columns(Vec<T, 2> const& origin, T width, int nx, int ny, T margin,
                                                  Firsts const& first, Items const& item, std::int64_t capacity) {
-  return {origin, width, {nx, ny}, margin, first, item, capacity};
+  return {origin, T(1) / width, {nx, ny}, margin, first, item, capacity};
 }
 
 }  // namespace mpmpbd

@@ -33,8 +33,7 @@ MPMPBD_HD SurfacePoint<T> nearest_on_sheet(S const& sheet, C const& columns, Vec
   std::int64_t best = -1;
   OnTriangle<T> on{};
   T distance = reach;
-  Vec3<T> const box{{reach, reach, reach}};
-  columns.for_each(x - box, x + box, [&](std::int64_t k) {
+  auto look = [&](std::int64_t k) {
     auto const t = sheet.triangle(k);
     for (int a = 0; a < 3; ++a) {  // the box around the triangle is already too far
       T const gap = max(min(t.a[a], min(t.b[a], t.c[a])) - x[a], x[a] - max(t.a[a], max(t.b[a], t.c[a])));
@@ -47,7 +46,11 @@ MPMPBD_HD SurfacePoint<T> nearest_on_sheet(S const& sheet, C const& columns, Vec
       on = here;
       distance = d;
     }
-  });
+  };
+  // First the point's own column; then only as far as what was found there.
+  columns.for_each(x, x, look);
+  Vec3<T> const box{{distance, distance, distance}};
+  columns.for_each(x - box, x + box, look);
   SurfacePoint<T> s{};
   s.found = best >= 0;
   s.inside = is_inside(sheet, columns, x);

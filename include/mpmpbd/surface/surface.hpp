@@ -6,10 +6,6 @@
 
 namespace mpmpbd {
 
-namespace role {
-struct Surface { static constexpr FixedString name = "Surface"; };
-}  // namespace role
-
 // A closed sheet of tracers that decides where tissue begins: what a needle has to puncture, which parts of
 // a thread are in a channel, and what a picture shows. A scene without it couples every point that has
 // tissue around it.
