@@ -29,7 +29,7 @@ template <class T> MPMPBD_HD constexpr void set_column(Mat3<T>& a, int j, Vec3<T
 }
 
 // Turns columns p and q of B, and with them V, so that they become orthogonal.
-template <class T> MPMPBD_HD void turn_columns(Mat3<T>& B, Mat3<T>& V, int p, int q) {
+template <class T> MPMPBD_INLINE void turn_columns(Mat3<T>& B, Mat3<T>& V, int p, int q) {
   T alpha = T(0), beta = T(0), gamma = T(0);
   for (int i = 0; i < 3; ++i) {
     alpha += B(i, p) * B(i, p);
@@ -52,7 +52,7 @@ template <class T> MPMPBD_HD void turn_columns(Mat3<T>& B, Mat3<T>& V, int p, in
 }
 
 // Puts the longer of columns p and q first; a turn by 90 degrees, so V stays a rotation.
-template <class T> MPMPBD_HD void order_columns(Mat3<T>& B, Mat3<T>& V, int p, int q) {
+template <class T> MPMPBD_INLINE void order_columns(Mat3<T>& B, Mat3<T>& V, int p, int q) {
   Vec3<T> const bp = column(B, p), bq = column(B, q);
   if (!(dot(bp, bp) < dot(bq, bq))) return;
   Vec3<T> const vp = column(V, p), vq = column(V, q);
