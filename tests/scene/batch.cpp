@@ -1,0 +1,141 @@
+// Batches: N environments equal N separate runs, bit for bit (B6, B41, B44), and what goes wrong in one
+// sets its own bit and nothing else.
+#include <mpmpbd/effects/gravity.hpp>
+#include <mpmpbd/effects/walls.hpp>
+#include <mpmpbd/mpm/materials/neo_hookean.hpp>
+#include <mpmpbd/testing/batch_laws.hpp>
+#include <mpmpbd/testing/samples.hpp>
+
+#include "catch.hpp"
+
+using namespace mpmpbd;
+
+namespace {
+
+constexpr double dx = 3.7e-3;
+using Floor = Wall<Sticky, 2, Side::low>;
+struct Tissue : Mpm<NeoHookean> {};
+struct Block : Scene<Tissue, Gravity, Floor> {};
+
+// Variants differ in stiffness (so in substeps), gravity, number of particles and motion. 1300 particles
+// are two chunks of work.
+struct Fill {
+  template <class R> void operator()(R& run, std::int64_t env, int which) const {
+    run.template set<NeoHookean>(env, lame(2e4 * (1 << (2 * which)), 0.3 + 0.04 * which));
+    run.template set<Gravity>(env, {{0.1 * which, 0.0, -9.81}});
+    run.template set<Floor>(env, {2.5 * dx});
+    std::vector<Vec3<double>> at;
+    testing::Samples random(static_cast<std::uint64_t>(which) + 1);
+    for (int p = 0; p < 1000 + 100 * which; ++p)
+      at.push_back(dx * (vec(3.0, 3.0, 2.6) + 5.0 * random.matrix<3>(0.0, 1.0)));
+    run.add_particles(env, at, 1050.0, dx * dx * dx / 8);
+    for (std::size_t p = 0; p < at.size(); ++p)
+      run.state().template set<particle::Velocity>(
+          env, static_cast<std::int64_t>(p), cast<typename R::Scalar>(random.matrix<3>(-0.2, 0.2)));
+  }
+};
+
+SimulationOptions options(int substeps = 0) {
+  return {.environments = 1,
+          .cell_size = dx,
+          .nodes = {12, 12, 12},
+          .capacity = {{"particle", 1400}},
+          .substeps = substeps};
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("Environments of a batch do not know of each other", "", float, double) {
+  for (auto const& law :
+       batch_laws<Block, TestType>(testing::BatchCase<Fill>{options(), Fill{}, 6e-4, 3})) {
+    INFO(law.text());
+    CHECK(law.holds());
+  }
+}
+
+TEST_CASE("Environments choose their own substeps") {
+  testing::BatchProbe<Block, float, Fill> probe({options(), Fill{}, 6e-4, 3});
+  auto const& state = probe.reference().state();
+  std::int64_t previous = 0;
+  for (int e = 0; e < 4; ++e) {
+    auto const substeps = state.get<environment::Substeps>(e);
+    CHECK(substeps > previous);
+    CHECK(state.get<environment::Dt>(e) <= state.get<environment::DtLimit>(e) * 1.000001f);
+    CHECK(probe.reference().status(e) == 0);
+    previous = substeps;
+  }
+}
+
+TEST_CASE("Trouble sets the bit of its own environment and nothing else") {
+  testing::BatchProbe<Block, double, Fill> probe({options(), Fill{}, 6e-4, 2});
+  auto const contained = [&](Fault bit, auto&& spoil) { return probe.contained(bit, spoil); };
+
+  SECTION("a particle that leaves is held at the border") {
+    for (int axis = 0; axis < 3; ++axis)
+      for (double const side : {-1.0, 1.0}) {
+        if (axis == 2 && side < 0.0) continue;  // the floor holds it
+        auto r = probe.make({0, 1, 2, 3});
+        auto x = vec(5.5 * dx, 5.5 * dx, 5.5 * dx);
+        x[axis] = side < 0.0 ? 0.52 * dx : 10.48 * dx;
+        auto v = Vec3<double>{};
+        v[axis] = side * 8.0;
+        r.state().set<particle::Position>(1, 0, x);
+        r.state().set<particle::Velocity>(1, 0, v);
+        r.step(6e-4);
+        CHECK(has(r.status(1), Fault::escape));
+        auto const held = r.state().get<particle::Position>(1, 0);
+        CHECK(held[axis] >= 0.5 * dx);
+        CHECK(held[axis] <= 10.5 * dx);
+        CHECK(r.status(0) == 0);
+      }
+    CHECK(contained(Fault::escape, [](auto& r) {
+            r.state().template set<particle::Position>(1, 0, vec(0.52 * dx, 5 * dx, 5 * dx));
+            r.state().template set<particle::Velocity>(1, 0, vec(-8.0, 0.0, 0.0));
+          }) == 0.0);
+  }
+  SECTION("an inverted particle") {
+    CHECK(contained(Fault::inversion, [](auto& r) {
+            r.state().template set<particle::Deformation>(
+                1, 7, Mat3<double>{{-1, 0, 0, 0, 1, 0, 0, 0, 1}});
+          }) == 0.0);
+  }
+  SECTION("an infinite velocity and a NaN deformation") {
+    CHECK(contained(Fault::not_finite, [](auto& r) {
+            r.state().template set<particle::Velocity>(1, 3, vec(1e308 * 10, 0.0, 0.0));
+          }) == 0.0);
+    CHECK(contained(Fault::not_finite, [](auto& r) {
+            auto const nan = std::numeric_limits<double>::quiet_NaN();
+            r.state().template set<particle::Deformation>(
+                1, 3, Mat3<double>{{nan, 0, 0, 0, 1, 0, 0, 0, 1}});
+          }) == 0.0);
+  }
+}
+
+// Strict mode: a fixed number of substeps.
+TEST_CASE("A step beyond its limit sets the bit in strict mode") {
+  testing::BatchProbe<Block, double, Fill> probe({options(1), Fill{}, 1e-5, 1});
+  auto r = probe.make({0, 1, 2, 3});
+  double const margin = r.suggest_dt(3) / time_step_safety;
+  r.step(0.999 * margin);
+  CHECK(r.status(3) == 0);
+  r.step(r.suggest_dt(3) / time_step_safety * 1.001);
+  CHECK(r.status(3) == static_cast<std::uint32_t>(Fault::time_step));
+  CHECK(r.status(0) == 0);
+
+  SECTION("and faster than a cell per substep sets another") {
+    r.state().set<particle::Velocity>(0, 0, vec(1.2 * dx / 1e-5, 0.0, 0.0));
+    for (std::int64_t p = 0; p < 1000; ++p)
+      r.state().set<particle::Velocity>(0, p, vec(1.2 * dx / 1e-5, 0.0, 0.0));
+    r.step(1e-5);
+    CHECK(has(r.status(0), Fault::speed));
+    CHECK(!has(r.status(1), Fault::speed));
+  }
+}
+
+TEST_CASE("Empty environments run") {
+  Simulation<Block, Serial, float> run(options());
+  run.set<NeoHookean>(lame(1e4, 0.3));
+  run.step(1e-3);
+  CHECK(run.status(0) == 0);
+  CHECK(run.state().get<environment::Substeps>(0) == 1);
+}
