@@ -57,6 +57,7 @@ struct TipLimits {
   static constexpr double clearance = 0.1;    // beyond the sheet before the tip counts as out [cells]
   static constexpr double dimple = 1.5;       // pressed in without puncture [cells]
   static constexpr double penetration = 0.5;  // below the sheet without puncture [cells]
+  static constexpr double tolerance = 1e-4;   // of the puncture force, relative
   static constexpr double reach = 2.0;        // how far the surface is looked for [cells]
 };
 
@@ -122,8 +123,9 @@ MPMPBD_HD TipChange<T> advance_tip(Tip<T>& tip, Vec3<T> const& to, T impulse, T 
           change.faults |= static_cast<std::uint32_t>(Fault::penetration);
     }
   } else if (tip.state == TipState::touch) {
-    // The impulse is capped at cap * dt, so "reached" is equality up to rounding.
-    if (impulse > T(0) && impulse >= tip.cap * dt * (T(1) - T(64) * epsilon<T>)) {
+    // The impulse is capped at cap * dt, so "reached" is equality, up to rounding and to the turn of the
+    // tip's axis within a substep.
+    if (impulse > T(0) && impulse >= (T(1) - T(TipLimits::tolerance)) * tip.cap * dt) {
       auto const mark = surface.found ? surface.mark : tip.mark;
       tip.state = TipState::inside;
       tip.mark = {-1, {}};
