@@ -35,12 +35,12 @@ template <class Body, class T = double, class Team = Solo> class Rig {
  public:
   using Store = State<T, typename Body::AllFields>;
 
-  explicit Rig(RodAssembly<Body> const& rod, Sweep sweep = Sweep::coloured, Team team = {}) : team_(team) {
+  explicit Rig(RodAssembly<Body> const& rod, VisitOrder order = VisitOrder::coloured, Team team = {}) : team_(team) {
     for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D>) {
       for (auto const& c : rod.capacity())
         if (c.domain == D::name.view()) store.template table<D>().resize(1, c.slots);
     });
-    rod.write(store, 0, sweep);
+    rod.write(store, 0, order);
   }
 
   auto environment() { return access_environment(store, 0, typename Store::Domains{}); }

@@ -149,7 +149,7 @@ TEMPLATE_TEST_CASE("bits do not depend on the number of lanes", "[constraint][be
                    DirectBanded<2>, SmallSteps<3>) {
   auto run = [](auto team) {
     using Body = With<Rod, TestType>;
-    Rig<Body, float, decltype(team)> rig(crooked<Body>(23, true), Sweep::coloured, team);
+    Rig<Body, float, decltype(team)> rig(crooked<Body>(23, true), VisitOrder::coloured, team);
     shake(rig, 0.2);
     for (int s = 0; s < 40; ++s) rig.step(5e-4);
     return rig;

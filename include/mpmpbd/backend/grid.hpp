@@ -86,4 +86,24 @@ template <class T> struct NodeReader {
   }
 };
 
+// What a coupling reads and changes: nodes by their index in the lattice, and scratch memory.
+template <class T, class Move, class Ctx> struct NodeAccess {
+  Quad<T>* nodes;
+  Ctx const& context;
+  void* scratch;
+  int* slot_of_node;
+
+  MPMPBD_HD T mass(int i) const { return nodes[i][3]; }
+  MPMPBD_HD Vec3<T> velocity(int i) const { return vector_part(nodes[i]); }
+  MPMPBD_HD void set_velocity(int i, Vec3<T> const& v) const { nodes[i] = quad(v, mass(i)); }
+  MPMPBD_HD Vec3<T> inverse_mass(int i) const {
+    int const row = i / context.lattice.nodes[0];
+    auto const x = context.lattice.position(i % context.lattice.nodes[0], row % context.lattice.nodes[1],
+                                            row / context.lattice.nodes[1]);
+    return Move::inverse_mass(velocity(i), mass(i), x, context);
+  }
+};
+// A scene without tissue has no nodes.
+struct NoNodes {};
+
 }  // namespace mpmpbd

@@ -1,6 +1,8 @@
 // How the host runs the stages of a substep, serially or with threads, with the same bits.
 #pragma once
 
+#include <cstddef>
+
 #include <mpmpbd/backend/grid.hpp>
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/coupling/team.hpp>
@@ -23,6 +25,15 @@ template <class T, class NodeFields> struct Workspace {
   std::vector<Tile<T>> tiles;
   std::vector<std::uint32_t> faults;  // per chunk
   std::uint32_t faults_together = 0;  // of stages that run over the whole environment
+  std::vector<std::max_align_t> scratch;  // of the coupling
+  std::vector<int> slot_of_node;          // one per node, -1 between two exchanges
+
+  void reserve_scratch(std::size_t bytes, Lattice<T> const& lattice) {
+    std::size_t const n = (bytes + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t);
+    if (scratch.size() < n) scratch.resize(n);
+    if (slot_of_node.size() != static_cast<std::size_t>(lattice.count()))
+      slot_of_node.assign(static_cast<std::size_t>(lattice.count()), -1);
+  }
 
   void prepare(Lattice<T> const& lattice, std::int64_t chunks) {
     auto const n = static_cast<std::size_t>(lattice.count());
@@ -166,7 +177,16 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
 
   template <class Stage> void run(kind::Together) {
     auto const env = access_environment(state_, env_, typename Store::Domains{});
-    work_.faults_together |= Stage::run(Solo{}, env, context_);
+    if constexpr (Scene::has_body) {
+      using Move = MoveNodes<typename Scene::Body, typename Scene::Effects>;
+      if constexpr (requires { Stage::scratch_bytes(env, context_); })
+        work_.reserve_scratch(Stage::scratch_bytes(env, context_), context_.lattice);
+      NodeAccess<T, Move, Ctx> const grid{work_.nodes.data(), context_, work_.scratch.data(),
+                                          work_.slot_of_node.data()};
+      work_.faults_together |= Stage::run(Solo{}, env, context_, grid);
+    } else {
+      work_.faults_together |= Stage::run(Solo{}, env, context_, NoNodes{});
+    }
   }
 
   NodeBox box_of(std::int64_t c) const {

@@ -95,6 +95,11 @@ template <class T> inline constexpr T epsilon = T(0);
 template <> inline constexpr float epsilon<float> = 1.1920929e-07f;
 template <> inline constexpr double epsilon<double> = 2.220446049250313e-16;
 
+// Four times the smallest normal number: everything from here on has a finite inverse.
+template <class T> inline constexpr T least_invertible = T(0);
+template <> inline constexpr float least_invertible<float> = 0x1p-124f;
+template <> inline constexpr double least_invertible<double> = 0x1p-1020;
+
 template <class T> inline constexpr T pi = T(3.141592653589793238462643383279502884L);
 
 }  // namespace mpmpbd

@@ -132,6 +132,13 @@ template <class T> MPMPBD_HD Vec3<T> direction(Vec3<T> const& a) {
   T const length = norm(a);
   return length > T(0) ? T(1) / length * a : Vec3<T>{};
 }
+// A unit vector across a, always the same one for the same a: made with the axis that a leans on least.
+template <class T> MPMPBD_HD Vec3<T> any_across(Vec3<T> const& a) {
+  T const x = abs(a[0]), y = abs(a[1]), z = abs(a[2]);
+  Vec3<T> axis{};
+  axis[x <= y && x <= z ? 0 : (y <= z ? 1 : 2)] = T(1);
+  return direction(cross(a, axis));
+}
 template <class T> MPMPBD_HD constexpr Mat3<T> cofactor(Mat3<T> const& f) {
   Mat3<T> c{};
   c(0, 0) = f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1);

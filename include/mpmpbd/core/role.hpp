@@ -47,6 +47,9 @@ struct Pbd {
 struct Needle {
   static constexpr FixedString name = "Needle";
 };
+struct Surface {
+  static constexpr FixedString name = "Surface";
+};
 }  // namespace role
 
 template <class P, class R> concept HasRole = std::same_as<typename P::Role, R>;
@@ -73,6 +76,11 @@ template <class List, class Default> struct FirstOr { using type = Default; };
 template <class P, class... Ps, class Default> struct FirstOr<TypeList<P, Ps...>, Default> {
   using type = P;
 };
+}  // namespace detail
+
+namespace detail {
+struct Absent {};  // stands where a scene names nothing
+template <class T> inline constexpr bool present = !std::is_same_v<T, Absent>;
 }  // namespace detail
 
 // One list after another.

@@ -57,12 +57,6 @@ template <class T> MPMPBD_HD bool is_segment(ThreadState<T> const& s, int k) {
   return k >= 0 && k + 1 < s.beads && s.rest_length[k] > T(0);
 }
 
-// Some unit vector across a; the same one for the same a.
-template <class T> MPMPBD_HD Vec3<T> any_across(Vec3<T> const& a) {
-  Vec3<T> const axis = abs(a[0]) < T(0.6) ? vec(T(1), T(0), T(0)) : vec(T(0), T(1), T(0));
-  return direction(cross(a, axis));
-}
-
 // Two beads at one place have no direction: the segment takes that of the one before, or the x axis, so
 // that it opens the same way every time.
 template <class T> MPMPBD_HD Vec3<T> chord_direction(ThreadState<T> const& s, int k) {

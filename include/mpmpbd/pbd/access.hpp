@@ -33,10 +33,19 @@ template <class T, class... Domains> struct EnvironmentAccess : Domains... {
     d.view.template set<F>(d.first + slot, v);
   }
   template <class Domain> MPMPBD_HD std::int64_t live() const { return part<Domain>(*this).count; }
+  // A whole domain: its view, the index of its first slot, how many are in use.
+  template <class Domain> MPMPBD_HD auto const& domain() const { return part<Domain>(*this); }
 
  private:
   template <class Domain, class View_>
   static MPMPBD_HD DomainAccess<Domain, View_> const& part(DomainAccess<Domain, View_> const& d) { return d; }
+};
+
+// One field of an environment as a row: row(slot), row.set(slot, value).
+template <class Env, class F> struct FieldRow {
+  Env env;
+  MPMPBD_HD auto operator()(std::int64_t slot) const { return env.template get<F>(slot); }
+  MPMPBD_HD void set(std::int64_t slot, value_t<F, typename Env::Scalar> const& v) const { env.template set<F>(slot, v); }
 };
 
 // The domains of a list, all taken from one environment of a store (core/state.hpp).

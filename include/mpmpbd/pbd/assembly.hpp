@@ -22,7 +22,7 @@ template <class C> struct InstanceList {
 }  // namespace detail
 
 // The order in which Gauss-Seidel visits the instances of a kind.
-enum class Sweep {
+enum class VisitOrder {
   coloured,  // few colours, each of many instances that lanes can share
   along,     // one by one in the order in which they were added: no parallel work, but the classical sweep
 };
@@ -85,7 +85,7 @@ template <class Body> class RodAssembly {
   }
 
   // Writes everything into environment `env` of a store (core/state.hpp), instances ordered by colour.
-  template <class Store> void write(Store& store, std::int64_t env, Sweep sweep = Sweep::coloured) const {
+  template <class Store> void write(Store& store, std::int64_t env, VisitOrder visit = VisitOrder::coloured) const {
     using T = typename Store::Scalar;
     auto& table = store.template table<Beads>();
     table.set_live(env, beads());
@@ -96,7 +96,7 @@ template <class Body> class RodAssembly {
       table.template set<bead::InverseMass>(env, b, T(inverse_masses_[i]));
       table.template set<bead::Previous>(env, b, cast<T>(positions_[i]));
     }
-    for_each_type(typename Set::List{}, [&]<class C>(std::type_identity<C>) { write_instances<C>(store, env, sweep); });
+    for_each_type(typename Set::List{}, [&]<class C>(std::type_identity<C>) { write_instances<C>(store, env, visit); });
   }
 
  private:
@@ -120,12 +120,12 @@ template <class Body> class RodAssembly {
       refuse_if(other[0] == beads[0], C::name.view(), "given twice at bead " + std::to_string(beads[0]) + "; the direct banded solver takes one per bead");
   }
 
-  template <class C, class Store> void write_instances(Store& store, std::int64_t env, Sweep sweep) const {
+  template <class C, class Store> void write_instances(Store& store, std::int64_t env, VisitOrder visit) const {
     using T = typename Store::Scalar;
     using Its = instance<C>;
     auto const& list = of<C>();
     auto colours = colour_greedily(list.beads, beads());
-    if (sweep == Sweep::along) std::iota(colours.begin(), colours.end(), 0);
+    if (visit == VisitOrder::along) std::iota(colours.begin(), colours.end(), 0);
     std::vector<std::size_t> order(list.beads.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return colours[a] < colours[b]; });

@@ -33,6 +33,14 @@ template <class C> inline constexpr bool is_along_chain = [] {
     return false;
   }
 }();
+// Optional: C is the length of a segment against another one, so that f < 0 is a tension along it.
+template <class C> inline constexpr bool is_length = [] {
+  if constexpr (requires { C::length; }) {
+    return C::length && is_along_chain<C> && point_count<C> == 2;
+  } else {
+    return false;
+  }
+}();
 // Optional: C does not change when all unknowns move together as a rigid body.
 template <class C> inline constexpr bool is_frame_invariant = [] {
   if constexpr (requires { C::frame_invariant; }) {

@@ -6,14 +6,9 @@
 
 #include <mpmpbd/core/matrix.hpp>
 #include <mpmpbd/core/role.hpp>
+#include <mpmpbd/geometry/pose.hpp>
 
 namespace mpmpbd {
-
-// A rigid body's place: origin [m] and unit quaternion (w, x, y, z) that turns body axes into the world's.
-template <class T> struct Pose {
-  Vec3<T> position;
-  Vec<T, 4> orientation;
-};
 
 // Kinds of unknowns. `Value<T>` is what a constraint is given; `degrees` counts the columns of its
 // gradient block: displacements [m], then a rotation vector in world axes [rad].
@@ -35,13 +30,6 @@ struct TissuePoint {  // a place in the tissue, interpolated from the grid
   static constexpr int degrees = 3;
 };
 }  // namespace unknown
-
-// A vector turned by a unit quaternion (w, x, y, z).
-template <class T> MPMPBD_HD constexpr Vec3<T> rotate(Vec<T, 4> const& q, Vec3<T> const& v) {
-  Vec3<T> const u{{q[1], q[2], q[3]}};
-  Vec3<T> const t = T(2) * cross(u, v);
-  return v + q[0] * t + cross(u, t);
-}
 
 namespace detail {
 template <int I, class V> struct ValueSlot { V value; };

@@ -12,9 +12,6 @@
 namespace mpmpbd {
 
 namespace detail {
-struct Absent {};
-template <class T> inline constexpr bool present = !std::is_same_v<T, Absent>;
-
 template <class P> struct LeavesOf { using type = TypeList<P>; };
 template <class P>
   requires requires { typename P::Leaves; }
@@ -37,10 +34,16 @@ template <class Effects> struct MpmStages<Absent, Effects> {
   using After = TypeList<>;
 };
 
-template <class Rods, class Effects> struct RodStages {
-  using type = TypeList<MoveRods<Rods, Effects>>;
+// What stands between grid and gather: the coupling's stages, or the rods alone.
+template <class In, bool coupled> struct BodyStages { using type = TypeList<>; };
+template <class In> struct BodyStages<In, true> {
+  using type = typename In::Coupling::Strategy::template Stages<In>;
 };
-template <class Effects> struct RodStages<Absent, Effects> { using type = TypeList<>; };
+template <class In>
+  requires(In::has_rods)
+struct BodyStages<In, false> {
+  using type = TypeList<MoveRods<typename In::Rods, typename In::Effects>>;
+};
 
 // Effects of a scene, and the second halves of those that act on beads too when there are any.
 template <class Effects, bool beads> struct WithBeads { using type = Effects; };
@@ -67,9 +70,25 @@ template <class... Es> consteval bool check_effects(TypeList<Es...>) {
 }
 }  // namespace detail
 
+// The parts of a scene by role, as stages are told of them.
+template <class Body_, class Rods_, class Needle_, class Surface_, class Coupling_, class Effects_>
+struct SceneParts {
+  using Body = Body_;
+  using Rods = Rods_;
+  using Needle = Needle_;
+  using Surface = Surface_;
+  using Coupling = Coupling_;
+  using Effects = Effects_;
+  static constexpr bool has_body = detail::present<Body>;
+  static constexpr bool has_rods = detail::present<Rods>;
+  static constexpr bool has_needle = detail::present<Needle>;
+  static constexpr bool has_surface = detail::present<Surface>;
+  static constexpr bool has_coupling = detail::present<Coupling>;
+};
+
 // State that every environment has.
 using EnvironmentFields =
-    Fields<environment::Status, environment::Step, environment::Substeps, environment::Dt,
+    Fields<environment::Status, environment::Step, environment::Time, environment::Substeps, environment::Dt,
            environment::DtLimit, environment::Seed, environment::Episode>;
 
 template <class... Parts> struct Scene {
@@ -87,18 +106,45 @@ template <class... Parts> struct Scene {
                 "mpmpbd Scene<...>: more than one Pbd body given; a scene has one, its threads are "
                 "chains of the same beads");
 
+  static_assert(detail::count_role<role::Coupling, Parts...> < 2,
+                "mpmpbd Scene<...>: more than one Coupling given; keep one strategy");
+  static_assert(detail::count_role<role::Needle, Parts...> < 2,
+                "mpmpbd Scene<...>: more than one needle given; a scene has one");
+
   using Body = pick_t<role::Mpm, detail::Absent, Parts...>;
   using Rods = pick_t<role::Pbd, detail::Absent, Parts...>;
+  using Needle = pick_t<role::Needle, detail::Absent, Parts...>;
+  using Surface = pick_t<role::Surface, detail::Absent, Parts...>;
+  using Coupling = pick_t<role::Coupling, detail::Absent, Parts...>;
   static constexpr bool has_body = detail::present<Body>;
   static constexpr bool has_rods = detail::present<Rods>;
+  static constexpr bool has_needle = detail::present<Needle>;
+  static constexpr bool has_coupling = detail::present<Coupling>;
+
+  static_assert(!has_coupling || has_body,
+                "mpmpbd Scene<...>: a coupling given but no tissue; add a body, for example "
+                "Mpm<NeoHookean>, or take the coupling out");
+  static_assert(!has_coupling || has_rods || has_needle,
+                "mpmpbd Scene<...>: a coupling given but neither threads nor needle; add "
+                "Pbd<Constraints<Distance>> or ArcNeedle, or take the coupling out");
+  static_assert(!(has_needle && !has_coupling),
+                "mpmpbd Scene<...>: a needle given but no coupling, so it would touch nothing; add "
+                "Coupling<Embedded>");
+  static_assert(!(has_body && has_rods && !has_coupling),
+                "mpmpbd Scene<...>: tissue and threads given but no coupling, so they would pass through "
+                "each other; add Coupling<Embedded>");
+  static_assert(!detail::present<Surface> || has_needle,
+                "mpmpbd Scene<...>: a surface given but no needle to puncture it; add ArcNeedle, or take "
+                "the surface out");
 
   using Effects = typename detail::WithBeads<of_role_t<role::Effect, Parts...>, has_rods>::type;
   static_assert(detail::check_effects(Effects{}));
+  using In = SceneParts<Body, Rods, Needle, Surface, Coupling, Effects>;
 
   using Policies = join_t<typename detail::LeavesOf<Parts>::type...>;
   using Mpm = detail::MpmStages<Body, Effects>;
   using Substep = typename detail::PipelineOf<
-      join_t<typename Mpm::Before, typename detail::RodStages<Rods, Effects>::type,
+      join_t<typename Mpm::Before, typename detail::BodyStages<In, has_coupling>::type,
              typename Mpm::After>>::type;
   using NodeFields = on_t<stored_t<typename Substep::AllFields>, Nodes>;
   using StateFields = union_t<EnvironmentFields, typename detail::ParameterFields<Policies>::type,

@@ -1,6 +1,7 @@
 // A run of a scene: N environments that equal N separate runs, bit for bit.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -157,9 +158,11 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     T previous = state_.template get<environment::Dt>(env);
     for (int s = 0; s < substeps && !has(status, Fault::not_finite); ++s) {
       auto const step = state_.template get<environment::Step>(env);
-      status |= run.substep({dt, previous > T(0) ? previous : dt, step});
+      auto const time = state_.template get<environment::Time>(env);
+      status |= run.substep({dt, previous > T(0) ? previous : dt, step, T(1e-12 * double(time)), s, substeps});
       previous = dt;
       state_.template set<environment::Step>(env, step + 1);
+      state_.template set<environment::Time>(env, time + std::llround(1e12 * h / substeps));
     }
     state_.template set<environment::Dt>(env, dt);
     state_.template set<environment::Substeps>(env, substeps);

@@ -139,12 +139,14 @@ template <class Body, class Effects> struct MoveNodes {
 
   template <class Node, class Ctx> MPMPBD_INLINE static void run(Node& n, Ctx const& context) {
     using T = typename Node::Scalar;
-    // No cut-off of light nodes: the result is the same at 1 m and at 1 mm.
-    T const inverse_mass = n[node::Mass{}] > T(0) ? T(1) / n[node::Mass{}] : T(0);
+    // No cut-off of light nodes, so that the result is the same at 1 m and at 1 mm; only where numbers
+    // end, a node counts as empty: the weights of such a node are far below rounding.
+    bool const empty = !(n[node::Mass{}] >= least_invertible<T>);
+    T const inverse_mass = empty ? T(0) : T(1) / n[node::Mass{}];
     n[node::Velocity{}] = inverse_mass * n[node::Momentum{}];
     if constexpr (Body::Transfer::needs_previous_grid)
       n[node::PreviousVelocity{}] = inverse_mass * n[node::PreviousMomentum{}];
-    if (!(n[node::Mass{}] > T(0))) return;
+    if (empty) return;
     detail::apply_effects(Forces{}, n, context);
     detail::apply_effects(Boundary{}, n, context);
   }
@@ -157,7 +159,7 @@ template <class Body, class Effects> struct MoveNodes {
     using Probe = union_t<Fields<node::Velocity, node::InverseMass, node::Mass, node::Position>,
                           typename detail::ReadsOf<Boundary>::type,
                           typename detail::WritesOf<Boundary>::type>;
-    if (!(mass > T(0))) return Vec3<T>{};
+    if (!(mass >= least_invertible<T>)) return Vec3<T>{};
     Local<T, Probe> n{};
     n[node::Velocity{}] = velocity;
     n[node::Mass{}] = mass;

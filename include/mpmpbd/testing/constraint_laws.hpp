@@ -208,12 +208,12 @@ template <class C, class T> Law frame_law(ConstraintProbe<C, T> const& probe) {
     auto y = x;
     probe.for_each_unknown([&]<int I, class U>(int) {
       if constexpr (std::is_same_v<U, unknown::RigidBody>) {
-        get<I>(y).position = rotate(q, get<I>(x).position) + shift;
+        get<I>(y).position = quaternion::rotate(q, get<I>(x).position) + shift;
         get<I>(y).orientation = turned(get<I>(x).orientation, w);
       } else if constexpr (std::is_same_v<U, unknown::Orientation>) {
         get<I>(y) = turned(get<I>(x), w);
       } else {
-        get<I>(y) = rotate(q, get<I>(x)) + shift;
+        get<I>(y) = quaternion::rotate(q, get<I>(x)) + shift;
       }
     });
     auto const a = probe.evaluate(x), b = probe.evaluate(y);

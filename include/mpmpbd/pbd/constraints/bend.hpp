@@ -5,16 +5,6 @@
 
 namespace mpmpbd {
 
-namespace detail {
-// A unit vector across t, always the same one for the same t: made with the axis that t leans on least.
-template <class T> MPMPBD_HD Vec3<T> any_across(Vec3<T> const& t) {
-  T const x = abs(t[0]), y = abs(t[1]), z = abs(t[2]);
-  Vec3<T> axis{};
-  axis[x <= y && x <= z ? 0 : (y <= z ? 1 : 2)] = T(1);
-  return direction(cross(t, axis));
-}
-}  // namespace detail
-
 // C = turn - rest_turn [rad], turn = atan2(|d1 x d2|, d1 . d2) between the segments d1 = b - a and
 // d2 = c - b: 0 for a straight thread, pi when folded. The angle theta seen from the middle bead is
 // pi - turn; the turn itself is kept, because near pi a float has no room for a small deviation.
@@ -52,7 +42,7 @@ struct Bend {
     T const sine = norm(across), cosine = dot(t1, t2);
     e.value[0] = atan2(sine, cosine) - k.rest_turn;
     // Exactly straight or folded, every direction across is as good as another: take a fixed one.
-    Vec3<T> const n = sine > epsilon<T> ? T(1) / sine * across : detail::any_across(t1);
+    Vec3<T> const n = sine > epsilon<T> ? T(1) / sine * across : any_across(t1);
     Vec3<T> const by_d1 = -(T(1) / l1) * cross(n, t1);
     Vec3<T> const by_d2 = T(1) / l2 * cross(n, t2);
     gradient<0>(e) = transpose(-by_d1);

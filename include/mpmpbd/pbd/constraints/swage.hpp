@@ -26,7 +26,7 @@ struct Swage {
     using T = typename X::Scalar;
     Evaluation<Swage, T> e{};
     auto const& body = get<1>(x);
-    Vec3<T> const arm = rotate(body.orientation, vec(k.x, k.y, k.z));
+    Vec3<T> const arm = quaternion::rotate(body.orientation, vec(k.x, k.y, k.z));
     e.value = get<0>(x) - (body.position + arm);
     gradient<0>(e) = Mat3<T>::identity();
     Mat3<T> const turn = skew(arm);

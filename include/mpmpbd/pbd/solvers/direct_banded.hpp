@@ -32,8 +32,20 @@ template <class... Cs> struct Chain<TypeList<Cs...>> {
   template <class C> struct Gradient : Scratch<"grad", "1", numbers_t<3 * point_count<C>>, Beads> {};
   template <class C> struct Right : Scratch<"r", "1", Number, Beads> {};      // -(C + alpha f), then the change of f
   template <class C> struct Alpha : Scratch<"alpha", "1", Number, Beads> {};  // compliance; -1: no constraint here
-  using ScratchFields = union_t<Fields<Band>, Fields<Gradient<Cs>, Right<Cs>, Alpha<Cs>>...>;
+  template <class C> struct Force : Scratch<"f", "J/C", Number, Beads> {};    // the multiplier so far
+  template <class C> struct Length : Scratch<"l", "m", Number, Beads> {};     // of a taut link, when solved
+  struct Predicted : Scratch<"xp", "m", Vector, Beads> {};                    // by all but lengths
+  struct Carry : Scratch<"s", "1", Number, Beads> {};                         // of the elimination along the chain
+  using ScratchFields = union_t<Fields<Band, Predicted, Carry>,
+                                Fields<Gradient<Cs>, Right<Cs>, Alpha<Cs>, Force<Cs>, Length<Cs>>...>;
 };
+
+namespace detail {
+template <class List> struct WithoutLengths;
+template <class... Cs> struct WithoutLengths<TypeList<Cs...>> {
+  using type = join_t<std::conditional_t<is_length<Cs>, TypeList<>, TypeList<Cs>>...>;
+};
+}  // namespace detail
 
 // Newton steps on (grad W grad^T + alpha/dt^2) dlambda = -(C + alpha/dt^2 lambda) for the whole chain:
 // an inextensible thread costs the same as a soft one, whatever its length. Beads of one thread follow
@@ -52,10 +64,22 @@ template <int iterations_ = 4> struct DirectBanded {
   template <class Set> using ScratchFields = typename Chain<typename Set::List>::ScratchFields;
 
   template <class Set, class Team, class Env, class T, class... Cs>
+  MPMPBD_HD static std::uint32_t begin(Team const& team, Env const& env, Tick<T> const&, TypeList<Cs...>) {
+    using System = Chain<typename Set::List>;
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
+      env.template set<typename System::Predicted>(b, env.template get<bead::Position>(b));
+    });
+    forget<System>(team, env, typename Set::List{});
+    return 0;
+  }
+
+  template <class Set, class Team, class Env, class T, class... Cs>
   MPMPBD_HD static std::uint32_t iterate(Team const& team, Env const& env, Tick<T> const& tick, TypeList<Cs...>) {
     using System = Chain<typename Set::List>;
     T const dt2 = tick.dt * tick.dt;
     std::uint32_t faults = 0;
+    team.one([&] { lay_out<System>(env, dt2, typename Set::List{}); });
+    team.sync();
     clear<System>(team, env, typename Set::List{});
     (evaluate<System, Cs>(team, env), ...);
     assemble<System>(team, env, dt2, typename Set::List{});
@@ -69,6 +93,7 @@ template <int iterations_ = 4> struct DirectBanded {
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       if (!(env.template get<bead::InverseMass>(b) > T(0))) return;
       env.template set<bead::Position>(b, env.template get<bead::Position>(b) + displacement<System>(env, b, dt2, typename Set::List{}));
+      env.template set<typename System::Predicted>(b, env.template get<typename System::Predicted>(b) + displacement<System>(env, b, dt2, typename detail::WithoutLengths<typename Set::List>::type{}));
     });
     team.sync();
     return faults;
@@ -81,6 +106,61 @@ template <int iterations_ = 4> struct DirectBanded {
   }
 
  private:
+  template <class System, class Team, class Env, class... Cs>
+  MPMPBD_HD static void forget(Team const& team, Env const& env, TypeList<Cs...>) {
+    using T = typename Env::Scalar;
+    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
+      (env.template set<typename System::template Force<Cs>>(b, T(0)), ...);
+      (env.template set<typename System::template Length<Cs>>(b, T(0)), ...);
+      (env.template set<typename System::template Gradient<Cs>>(b, {}), ...);
+    });
+    team.sync();
+  }
+
+  // A taut link as a spring of force density T/l [N/m] between beads b and b + 1.
+  template <class System, class C, class Env> MPMPBD_HD static auto density(Env const& env, std::int64_t b) {
+    using T = typename Env::Scalar;
+    T const l = env.template get<typename System::template Length<C>>(b);
+    T const f = env.template get<typename System::template Force<C>>(b);
+    return is_length<C> && l > T(0) && f < T(0) ? -f / l : T(0);
+  }
+  // What a length does to a bead when it is pressed [N]: its force so far along its last gradient.
+  template <class System, class C, class Env, class T>
+  MPMPBD_HD static void add_pressure(Env const& env, std::int64_t bead_, Vec3<T>& sum) {
+    if constexpr (is_length<C>) {
+      for (int s = 0; s < 2 && bead_ - s >= 0; ++s) {
+        T const f = env.template get<typename System::template Force<C>>(bead_ - s);
+        if (!(f > T(0))) continue;
+        auto const g = env.template get<typename System::template Gradient<C>>(bead_ - s);
+        sum += f * vec(g[3 * s], g[3 * s + 1], g[3 * s + 2]);
+      }
+    }
+  }
+  // Lays the chain out under the forces found so far: tension acts along the segments where they end up,
+  // not where they were predicted. One tridiagonal elimination, dominated by its diagonal.
+  template <class System, class Env, class T, class... Cs>
+  MPMPBD_HD static void lay_out(Env const& env, T dt2, TypeList<Cs...>) {
+    std::int64_t const beads = env.template live<Beads>();
+    Vec3<T> before{};
+    T carry = T(0), left = T(0);
+    for (std::int64_t b = 0; b < beads; ++b) {
+      T const step = dt2 * env.template get<bead::InverseMass>(b);
+      T const right = (density<System, Cs>(env, b) + ... + T(0));
+      Vec3<T> force{};
+      (add_pressure<System, Cs>(env, b, force), ...);
+      T const pivot = T(1) / (T(1) + step * (left * (T(1) - carry) + right));
+      before = pivot * (env.template get<typename System::Predicted>(b) + step * (force + left * before));
+      carry = pivot * step * right;
+      env.template set<typename System::Carry>(b, carry);
+      env.template set<bead::Position>(b, before);
+      left = right;
+    }
+    for (std::int64_t b = beads - 2; b >= 0; --b) {
+      before = env.template get<bead::Position>(b) + env.template get<typename System::Carry>(b) * before;
+      env.template set<bead::Position>(b, before);
+    }
+  }
+
   template <class System, class Team, class Env, class... Cs>
   MPMPBD_HD static void clear(Team const& team, Env const& env, TypeList<Cs...>) {
     using T = typename Env::Scalar;
@@ -109,6 +189,10 @@ template <int iterations_ = 4> struct DirectBanded {
           b, flatten<C, T>(one.at, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{}));
       env.template set<typename System::template Right<C>>(b, -(one.at.value[0] + one.compliance * one.multiplier[0]));
       env.template set<typename System::template Alpha<C>>(b, one.compliance);
+      if constexpr (is_length<C>) {  // the length at C = 0; add_multipliers adds the stretch
+        auto const d = env.template get<bead::Position>(one.beads[1]) - env.template get<bead::Position>(b);
+        env.template set<typename System::template Length<C>>(b, norm(d) - one.at.value[0]);
+      }
     });
   }
 
@@ -300,8 +384,13 @@ template <int iterations_ = 4> struct DirectBanded {
   MPMPBD_HD static void add_multipliers(Team const& team, Env const& env) {
     detail::for_each_instance<C>(team, env, [&](std::int64_t slot) {
       auto const first = get_vector<typename instance<C>::Index>(env, slot)[0];
-      env.template set<typename instance<C>::Multiplier>(
-          slot, env.template get<typename instance<C>::Multiplier>(slot) + env.template get<typename System::template Right<C>>(first));
+      auto const f = env.template get<typename instance<C>::Multiplier>(slot) + env.template get<typename System::template Right<C>>(first);
+      env.template set<typename instance<C>::Multiplier>(slot, f);
+      env.template set<typename System::template Force<C>>(first, f);
+      if constexpr (is_length<C>) {
+        auto const l = env.template get<typename System::template Length<C>>(first);
+        env.template set<typename System::template Length<C>>(first, l - env.template get<typename System::template Alpha<C>>(first) * f);
+      }
     });
   }
 };

@@ -1,0 +1,113 @@
+// The suturing scene: soft tissue, an arc needle and the thread behind it, and how it is set up.
+#pragma once
+
+#include <mpmpbd/catalog/suturing_config.hpp>
+#include <mpmpbd/coupling/embedded.hpp>
+#include <mpmpbd/effects/gravity.hpp>
+#include <mpmpbd/effects/viscosity.hpp>
+#include <mpmpbd/effects/walls.hpp>
+#include <mpmpbd/mpm/materials/neo_hookean.hpp>
+#include <mpmpbd/pbd/rod_builder.hpp>
+#include <mpmpbd/scene/simulation.hpp>
+
+namespace mpmpbd {
+
+struct SoftTissue : Mpm<NeoHookean> {};
+struct Suture : Pbd<Constraints<Distance, Bend, Swage>> {};
+using Floor = Wall<Sticky, 2, Side::low>;
+struct Suturing : Scene<SoftTissue, Suture, ArcNeedle, Surface, Coupling<Embedded, Friction, Drag>,
+                        Gravity, Viscosity, Floor> {};
+
+namespace suturing {
+
+// The thread at the start: from the needle's blunt end, away from tissue, in one easy sweep [m].
+inline std::vector<Vec3<double>> thread_line(SuturingConfig const& c) {
+  auto const pose = c.script().start;
+  auto const end = swage_point(c.needle.arc(), pose, Sweep<double>::of(pose, {}, c.time.step));
+  Vec3<double> const back = direction(vec(end.direction[0], 2.0, 0.6));
+  std::vector<Vec3<double>> line;
+  int const n = c.thread.beads;
+  for (int k = 0; k < n; ++k)  // the last bead is at the needle
+    line.push_back(end.position + (c.thread.segment() * (n - 1 - k)) * back);
+  return line;
+}
+
+inline RodAssembly<Suture> thread(SuturingConfig const& c) {
+  RodAssembly<Suture> rod;
+  auto const line = thread_line(c);
+  auto const made = add_thread(rod, std::span<Vec3<double> const>(line), c.thread.material());
+  rod.add<Swage>({made.last - 1}, {c.needle.radius, 0.0, 0.0, 0.0});
+  return rod;
+}
+
+// The tissue's surface, a vertex per cell edge.
+inline SheetMesh<double> surface_mesh(SuturingConfig const& c) {
+  Vec3<int> cells{};
+  for (int a = 0; a < 3; ++a)
+    cells[a] = std::max(1, static_cast<int>(std::lround(c.tissue.size[a] / c.domain.cell_size)));
+  return box_sheet(Box<double>{c.tissue.corner, c.tissue.corner + c.tissue.size}, cells);
+}
+
+inline SimulationOptions options(SuturingConfig const& c, std::int64_t environments = 1) {
+  SimulationOptions o;
+  o.environments = environments;
+  o.cell_size = c.domain.cell_size;
+  for (int a = 0; a < 3; ++a) o.nodes[a] = c.domain.nodes()[a];
+  o.substeps = c.time.substeps;
+  auto const mesh = surface_mesh(c);
+  int const needle_points = contact_points(ArcPoints<double>::over(c.needle.arc(), c.domain.cell_size));
+  o.capacity = thread(c).capacity();
+  for (Capacity const& more : std::initializer_list<Capacity>{
+           {Particles::name.view(), c.tissue.point_count()},
+           {Needles::name.view(), 1},
+           {ContactPoints::name.view(), 2 * (c.thread.beads - 1) + needle_points},
+           {SheetVertices::name.view(), static_cast<std::int64_t>(mesh.positions.size())},
+           {SheetTriangles::name.view(), static_cast<std::int64_t>(mesh.triangles.size())},
+           {Markers::name.view(), 2},
+           {Events::name.view(), 16},
+           {Channels::name.view(), 2},
+           {ChannelPoints::name.view(), 2 * 128}})
+    o.capacity.push_back(more);
+  return o;
+}
+
+// Puts one environment into the state at the start of a stitch.
+template <class Sim> void set_up(Sim& sim, std::int64_t env, SuturingConfig const& c) {
+  using T = typename Sim::Scalar;
+  auto& state = sim.state();
+  sim.template set<NeoHookean>(env, c.tissue.lame());
+  sim.template set<Viscosity>(env, {c.tissue.viscosity});
+  sim.template set<Gravity>(env, {{c.domain.gravity[0], c.domain.gravity[1], c.domain.gravity[2]}});
+  sim.template set<Floor>(env, {c.tissue.corner[2]});
+  sim.template set<ArcNeedle>(env, c.needle.parameters());
+  sim.template set<Embedded>(env, {c.thread.radius});
+  sim.template set<Friction>(env, {c.contact.friction, c.contact.clamp_pressure});
+  sim.template set<Drag>(env, {c.contact.drag});
+  auto const points = c.tissue.positions();
+  sim.add_particles(env, points, c.tissue.density, c.tissue.point_volume());
+  thread(c).write(state, env);
+  state.template table<ContactPoints>().set_live(env, state.template table<ContactPoints>().capacity());
+
+  auto const mesh = surface_mesh(c);
+  load_sheet(mesh, state.template table<SheetVertices>(), state.template table<SheetTriangles>(), env);
+  state.template table<Markers>().set_live(env, 2);
+  auto const view = state.template view<Markers>();
+  auto const sheet = sheet_of(mesh);
+  auto mark = [&](std::int64_t m, Vec3<double> const& x) {
+    auto const at = mark_at(sheet, x);
+    marker::store(view, env * view.capacity + m, SurfaceMark<T>{at.triangle, cast<T>(at.weights)});
+  };
+  mark(0, c.entry());
+  mark(1, c.exit());
+
+  state.template table<Needles>().set_live(env, 1);
+  auto const needles = state.template view<Needles>();
+  std::int64_t const item = env * needles.capacity;
+  auto const start = c.script().start;
+  needle::set_pose(needles, item, cast_pose<T>(start));
+  Tip<T>::at(cast<T>(to_world(start, c.needle.arc().point(0.0)))).store(needles, item);
+}
+
+}  // namespace suturing
+
+}  // namespace mpmpbd

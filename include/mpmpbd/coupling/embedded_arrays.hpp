@@ -1,0 +1,64 @@
+// The compact arrays that `Embedded` works on during a substep, cut from one block of scratch memory.
+#pragma once
+
+#include <mpmpbd/coupling/workspace.hpp>
+#include <mpmpbd/surface/columns.hpp>
+
+namespace mpmpbd {
+
+// How much of everything one environment has; 0 for what its scene does not name.
+struct BodyCounts {
+  int beads = 0;
+  int needle_points = 0;  // the tip's axial point included
+  int attached_points = 0;
+  std::int64_t triangles = 0;
+  int column_count[2] = {0, 0};
+
+  MPMPBD_HD ExchangeCapacity exchange() const { return {beads, needle_points, attached_points, 0}; }
+  MPMPBD_HD std::int64_t columns() const {
+    return static_cast<std::int64_t>(column_count[0]) * column_count[1];
+  }
+  // A triangle of about a cell lies over a few columns; large ones of a coarse sheet over more.
+  MPMPBD_HD std::int64_t column_items() const { return 16 * triangles + 4 * columns(); }
+};
+
+struct IntegerRow {
+  std::int64_t* data;
+  MPMPBD_HD std::int64_t operator()(std::int64_t i) const { return data[i]; }
+  MPMPBD_HD void set(std::int64_t i, std::int64_t v) const { data[i] = v; }
+};
+
+template <class T, class Form> struct EmbeddedArrays {
+  IntegerRow column_first, column_item;  // first, so that they stay in place between substeps
+  Vec3<T>* position;
+  Vec3<T>* velocity;
+  T* mass;
+  bool* known;
+  T* rest_length;
+  T* rest_angle;
+  T* impulse;
+  ContactPoint<T>* points;
+  RigidBody<T>* needle;
+  void* exchange;
+
+  // Cuts the arrays from `memory` (null: only measures). Returns the bytes used.
+  MPMPBD_HD std::size_t cut(void* memory, BodyCounts const& n) {
+    detail::Cutter cutter{static_cast<char*>(memory)};
+    column_first = {cutter.cut<std::int64_t>(static_cast<int>(n.columns() + 1))};
+    column_item = {cutter.cut<std::int64_t>(static_cast<int>(n.column_items()))};
+    position = cutter.cut<Vec3<T>>(n.beads);
+    velocity = cutter.cut<Vec3<T>>(n.beads);
+    mass = cutter.cut<T>(n.beads);
+    known = cutter.cut<bool>(n.beads);
+    rest_length = cutter.cut<T>(n.beads);
+    rest_angle = cutter.cut<T>(n.beads);
+    impulse = cutter.cut<T>(n.beads);
+    points = cutter.cut<ContactPoint<T>>(n.exchange().points());
+    needle = cutter.cut<RigidBody<T>>(1);
+    exchange = cutter.cut<double>(static_cast<int>(
+        (exchange_bytes<T, Form>(n.exchange()) + sizeof(double) - 1) / sizeof(double)));
+    return cutter.used;
+  }
+};
+
+}  // namespace mpmpbd

@@ -1,0 +1,134 @@
+// The stage of `Embedded` that follows the exchange: the needle moves, surface and channels go with the
+// tissue, and the tip's state advances.
+#pragma once
+
+#include <mpmpbd/coupling/embedded_exchange.hpp>
+#include <mpmpbd/needle/kinematic.hpp>
+
+namespace mpmpbd {
+
+// Velocity of the tissue at a point, from nodes that have mass: linear fields are reproduced at the free
+// surface too, so that the sheet does not lag behind.
+template <class Shape, class Grid, class T> struct TissueVelocity {
+  Grid const& grid;
+  Lattice<T> lattice;
+
+  MPMPBD_HD Vec3<T> operator()(Vec3<T> const& x) const {
+    T weight[nodes_per_point<Shape>];
+    int node[nodes_per_point<Shape>];
+    Vec3<T> v{};
+    if (embedding_weights<Shape>(lattice, x, grid, weight, node) > T(0)) {
+      for (int a = 0; a < nodes_per_point<Shape>; ++a)
+        if (weight[a] != T(0)) v += weight[a] * grid.velocity(node[a]);
+      return v;
+    }
+    return averaged(x);
+  }
+
+ private:
+  // Where the nodes with mass do not carry a linear field: their mean.
+  MPMPBD_HD Vec3<T> averaged(Vec3<T> const& x) const {
+    auto const near = detail::neighbourhood<Shape>(lattice, x);
+    Vec3<T> v{};
+    T sum = T(0);
+    if (!near.inside) return v;
+    detail::for_each_node<Shape>(lattice, near, [&](int, int i, T w, Vec3<T> const&) {
+      if (!(grid.mass(i) > T(0))) return;
+      v += w * grid.velocity(i);
+      sum += w;
+    });
+    return sum > T(0) ? T(1) / sum * v : v;
+  }
+};
+
+template <class In> struct MoveWithTissue {
+  static constexpr FixedString name = "follow";
+  using Kind = kind::Together;
+  using Exchange = ExchangeImpulses<In>;
+  using Needle = typename In::Needle;
+  using Parts = std::conditional_t<In::has_surface, TypeList<Surface>, TypeList<>>;
+  using Reads = union_t<Fields<node::Velocity, node::Mass, contact::Impulse>, typename Exchange::template if_t<In::has_needle, needle::State>>;
+  using Writes = union_t<typename Exchange::template if_t<In::has_needle, needle::State>,
+                         typename Exchange::template if_t<In::has_surface, union_t<Surface::Writes, tip::Memory>>>;
+
+  template <class Team_, class Env, class Ctx, class Grid>
+  MPMPBD_HD static std::uint32_t run(Team_ const& team, Env const& env, Ctx const& context, Grid const& grid) {
+    std::uint32_t faults = 0;
+    if constexpr (In::has_needle) move_needle(team, env, context);
+    if constexpr (In::has_surface) {
+      move_tracers(team, env, context, grid);
+      faults |= advance_surface(team, env, context, grid);
+    }
+    return faults;
+  }
+
+ private:
+  template <class Team_, class Env, class Ctx>
+  MPMPBD_HD static void move_needle(Team_ const& team, Env const& env, Ctx const& context) {
+    using T = typename Ctx::Scalar;
+    team.one([&] {
+      if (env.template live<Needles>() == 0) return;
+      auto const& d = env.template domain<Needles>();
+      if constexpr (Needle::is_dynamic) {
+        auto pose = needle::pose(d.view, d.first);
+        auto twist = needle::twist(d.view, d.first);
+        Needle::body(context.template of<Needle>()).advance(pose, twist, context.tick.dt);
+        needle::set_pose(d.view, d.first, pose);
+        needle::set_twist(d.view, d.first, twist);
+      } else {
+        kinematic::finish_commanded(d.view, d.first, T(context.tick.dt));
+      }
+    });
+    team.sync();
+  }
+
+  template <class Team_, class Env, class Ctx, class Grid>
+  MPMPBD_HD static void move_tracers(Team_ const& team, Env const& env, Ctx const& context, Grid const& grid) {
+    using T = typename Ctx::Scalar;
+    TissueVelocity<typename In::Body::Shape, Grid, T> const velocity{grid, context.lattice};
+    auto const vertex = detail::row<sheet::Position>(env);
+    team.each(static_cast<int>(env.template live<SheetVertices>()),
+              [&](int i) { advect(vertex, i, velocity, context.tick.dt); });
+    team.one([&] { detail::channels_of_environment(env).advect_tracks(velocity, context.tick.dt); });
+    team.sync();
+  }
+
+  template <class Team_, class Env, class Ctx, class Grid>
+  MPMPBD_HD static std::uint32_t advance_surface(Team_ const& team, Env const& env, Ctx const& context, Grid const& grid) {
+    using T = typename Ctx::Scalar;
+    std::uint32_t faults = 0;
+    team.one([&] {
+      if (env.template live<Needles>() == 0) return;
+      auto const n = Exchange::counts(env, context);
+      EmbeddedArrays<T, typename Exchange::Form> a;
+      a.cut(grid.scratch, n);
+      auto const sheet = detail::sheet_of_environment(env);
+      auto const columns = detail::sheet_columns(n, context.lattice, a.column_first, a.column_item);
+      auto const& d = env.template domain<Needles>();
+      auto const k = context.template of<Needle>();
+      auto const pose = needle::pose(d.view, d.first);
+      auto const arc = Needle::arc(k);
+      int const tip = n.beads > 1 ? 2 * (n.beads - 1) : 0;
+      Vec3<T> const axis = quaternion::rotate(pose.orientation, arc.tangent(T(0)));
+      T const impulse = max(dot(axis, env.template get<contact::Impulse>(tip)), T(0));
+      auto const& events = env.template domain<Events>();
+      auto const& e = env.template domain<Environments>();
+      faults |= update_needle_surface(d.view, d.first, 0, to_world(pose, arc.point(T(0))), impulse, context.tick,
+                                      context.tick.time, sheet, columns, context.lattice.dx,
+                                      TipForces<T>{k.puncture_force, k.cutting_force}, marker_at(env, sheet, 0),
+                                      marker_at(env, sheet, 1), detail::channels_of_environment(env),
+                                      event_log(events.view, e.view, e.first));
+    });
+    team.sync();
+    return faults;
+  }
+
+  // Where marker m is now (0: entry, 1: exit); far away when the scene has set none.
+  template <class Env, class S> MPMPBD_HD static auto marker_at(Env const& env, S const& sheet, int m) {
+    auto const& d = env.template domain<Markers>();
+    auto const mark = marker::load(d.view, d.first + m);
+    return env.template live<Markers>() > m ? position(sheet, mark) : position(sheet, decltype(mark){0, {}});
+  }
+};
+
+}  // namespace mpmpbd
