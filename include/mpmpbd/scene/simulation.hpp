@@ -68,7 +68,9 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   // Adds material points at rest, F = 1: positions [m] in environment coordinates, density [kg/m^3],
   // volume of each [m^3]. Refuses positions outside the domain and more points than the capacity.
   void add_particles(std::int64_t env, std::span<Vec3<double> const> positions, double density,
-                     double volume) {
+                     double volume)
+    requires(Scene_::has_body)
+  {
     check_parameter("Simulation::add_particles", bound::positive("density", "kg/m^3"), density);
     check_parameter("Simulation::add_particles", bound::positive("volume", "m^3"), volume);
     for (auto const& x : positions) check_position(x);
@@ -120,28 +122,11 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   }
 
   // Advances every environment by h [s], each with its own number of substeps.
-  void step(double h) {
-    detail::require(h > 0.0 && h - h == 0.0,
-                    "step of " + std::to_string(h) + " s asked for; give a positive time");
-    bool const outer = environments() >= backend_.lanes() && backend_.lanes() > 1;
-    workspaces_.resize(static_cast<std::size_t>(outer ? backend_.lanes() : 1));
-    if (outer) {
-      backend_.for_each(environments(), [&](std::int64_t env, int lane) {
-        step_environment(env, h, workspaces_[static_cast<std::size_t>(lane)], Serial{});
-      });
-    } else {
-      for (std::int64_t env = 0; env < environments(); ++env)
-        step_environment(env, h, workspaces_[0], backend_);
-    }
-  }
+  void step(double h);
 
   // The longest recommended substep [s] of an environment in its present state.
-  double suggest_dt(std::int64_t env) {
-    workspaces_.resize(workspaces_.empty() ? 1 : workspaces_.size());
-    HostEnvironment<Scene, T, Serial> run(state_, env, context_of(env), workspaces_[0], Serial{});
-    std::uint32_t faults = 0;
-    return double(mpmpbd::suggest_dt<typename Scene::Body>(run.bounds(faults), lattice_.dx));
-  }
+  double suggest_dt(std::int64_t env)
+    requires(Scene_::has_body);
 
  private:
   using Ctx = Context<T, typename Scene::Policies>;
@@ -226,7 +211,9 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
                                                 "; give 0 (automatic) or a positive number");
   }
 
-  void check_position(Vec3<double> const& x) const {
+  void check_position(Vec3<double> const& x) const
+    requires(Scene_::has_body)
+  {
     using Shape = typename Scene::Body::Shape;
     for (int a = 0; a < 3; ++a) {
       double const low = lowest_cell<Shape, double>() * options_.cell_size;
@@ -245,5 +232,32 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   Store initial_;
   std::vector<Work> workspaces_;
 };
+
+// Defined outside of the class: a catalogue compiles them once (extern template), users then do not.
+template <class Scene_, class Backend, class T>
+void Simulation<Scene_, Backend, T>::step(double h) {
+  detail::require(h > 0.0 && h - h == 0.0,
+                  "step of " + std::to_string(h) + " s asked for; give a positive time");
+  bool const outer = environments() >= backend_.lanes() && backend_.lanes() > 1;
+  workspaces_.resize(static_cast<std::size_t>(outer ? backend_.lanes() : 1));
+  if (outer) {
+    backend_.for_each(environments(), [&](std::int64_t env, int lane) {
+      step_environment(env, h, workspaces_[static_cast<std::size_t>(lane)], Serial{});
+    });
+  } else {
+    for (std::int64_t env = 0; env < environments(); ++env)
+      step_environment(env, h, workspaces_[0], backend_);
+  }
+}
+
+template <class Scene_, class Backend, class T>
+double Simulation<Scene_, Backend, T>::suggest_dt(std::int64_t env)
+  requires(Scene_::has_body)
+{
+  workspaces_.resize(workspaces_.empty() ? 1 : workspaces_.size());
+  HostEnvironment<Scene, T, Serial> run(state_, env, context_of(env), workspaces_[0], Serial{});
+  std::uint32_t faults = 0;
+  return double(mpmpbd::suggest_dt<typename Scene::Body>(run.bounds(faults), lattice_.dx));
+}
 
 }  // namespace mpmpbd
