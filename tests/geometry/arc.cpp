@@ -10,7 +10,8 @@ double constexpr turn = 6.283185307179586;
 template <class T> Arc<T> half_circle() { return {T(0.0064), T(turn / 2), T(0.0004), T(0.003)}; }
 }  // namespace
 
-TEMPLATE_TEST_CASE("points of the arc lie on it and tangents point to the tip", "[needle][arc]", float, double) {
+TEMPLATE_TEST_CASE("points of the arc lie on it and tangents point to the tip", "[needle][arc]",
+                   float, double) {
   using T = TestType;
   for (double angle : {0.3, 2.0, 3.2, 4.7, turn}) {
     Arc<T> const arc{T(0.0064), T(angle), T(0.0004), T(0)};
@@ -26,7 +27,8 @@ TEMPLATE_TEST_CASE("points of the arc lie on it and tangents point to the tip", 
   }
 }
 
-TEMPLATE_TEST_CASE("the nearest point is found on every side of the branch of atan2", "[needle][arc]", float, double) {
+TEMPLATE_TEST_CASE("the nearest point is found on every side of the branch of atan2",
+                   "[needle][arc]", float, double) {
   using T = TestType;
   for (double angle : {0.3, 2.0, 3.141592653589793, 3.2, 4.7, 6.2, turn}) {
     Arc<T> const arc{T(0.32), T(angle), T(0.02), T(0)};
@@ -48,11 +50,13 @@ TEMPLATE_TEST_CASE("the nearest point is found on every side of the branch of at
   }
 }
 
-TEMPLATE_TEST_CASE("the nearest point does not jump where the local angle passes pi", "[needle][arc]", float, double) {
+TEMPLATE_TEST_CASE("the nearest point does not jump where the local angle passes pi",
+                   "[needle][arc]", float, double) {
   using T = TestType;
   Arc<T> const arc{T(0.32), T(4.7), T(0.02), T(0)};
   T const pi_ = pi<T>;
-  T previous = arc.nearest(vec<T>(T(0.32) * cos(pi_ - T(0.01)), T(0.32) * sin(-(pi_ - T(0.01))), T(0)));
+  T previous =
+      arc.nearest(vec<T>(T(0.32) * cos(pi_ - T(0.01)), T(0.32) * sin(-(pi_ - T(0.01))), T(0)));
   for (int i = -99; i <= 100; ++i) {
     T const a = pi_ + T(1e-4) * T(i);
     T const s = arc.nearest(vec<T>(T(0.32) * cos(a), -T(0.32) * sin(a), T(0)));
@@ -64,7 +68,8 @@ TEMPLATE_TEST_CASE("the nearest point does not jump where the local angle passes
   REQUIRE(arc.nearest(vec<T>(T(-1), -T(0), T(0))) == Approx(0.32 * 3.14159265).epsilon(1e-6));
 }
 
-TEMPLATE_TEST_CASE("in the gap the nearer end is taken, on the axis the tip", "[needle][arc]", float, double) {
+TEMPLATE_TEST_CASE("in the gap the nearer end is taken, on the axis the tip", "[needle][arc]",
+                   float, double) {
   using T = TestType;
   auto const arc = half_circle<T>();
   // The gap is the half plane y > 0; the tip is at +x, the blunt end at -x.
@@ -75,7 +80,8 @@ TEMPLATE_TEST_CASE("in the gap the nearer end is taken, on the axis the tip", "[
   REQUIRE(arc.distance(vec<T>(T(0), T(0), T(0.0048))) == Approx(0.008).epsilon(1e-6));
 }
 
-TEMPLATE_TEST_CASE("contact points: tip first, spacing within dx/2...dx, lengths add up", "[needle][arc]", float, double) {
+TEMPLATE_TEST_CASE("contact points: tip first, spacing within dx/2...dx, lengths add up",
+                   "[needle][arc]", float, double) {
   using T = TestType;
   for (double angle : {0.4, 1.0, 3.14159, 5.0, turn})
     for (int i = 1; i <= 300; ++i) {
@@ -120,11 +126,14 @@ TEST_CASE("impossible arcs are refused by name, value and bound", "[needle][arc]
     a.*member = value;
     return a;
   };
-  REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::radius, -1)), Contains("radius = -1.000000 m") && Contains("(0, inf)"));
+  REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::radius, -1)),
+                      Contains("radius = -1.000000 m") && Contains("(0, inf)"));
   REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::radius, std::nan(""))), Contains("radius"));
-  REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::angle, 0)), Contains("angle = 0.000000 rad") && Contains("(0, 6.28318"));
+  REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::angle, 0)),
+                      Contains("angle = 0.000000 rad") && Contains("(0, 6.28318"));
   REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::angle, 6.3)), Contains("angle = 6.300000"));
-  REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::wire_radius, 0.0064)), Contains("wire_radius") && Contains("[0, 0.0064)"));
+  REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::wire_radius, 0.0064)),
+                      Contains("wire_radius") && Contains("[0, 0.0064)"));
   REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::taper, 1)), Contains("taper = 1.000000 m"));
   REQUIRE_THROWS_WITH(check_arc(with(&Arc<double>::taper, -1e-3)), Contains("taper"));
 }

@@ -29,9 +29,12 @@ TEST_CASE("distance to a plane and to a box", "[geometry]") {
 }
 
 TEST_CASE("the nearest point of a polyline; coincident points do no harm", "[geometry]") {
-  std::vector<Vec3<double>> const p{vec(0.0, 0.0, 0.0), vec(1.0, 0.0, 0.0), vec(1.0, 0.0, 0.0), vec(1.0, 2.0, 0.0)};
+  std::vector<Vec3<double>> const p{vec(0.0, 0.0, 0.0), vec(1.0, 0.0, 0.0), vec(1.0, 0.0, 0.0),
+                                    vec(1.0, 2.0, 0.0)};
   auto const at = [&](std::int64_t i) { return p[static_cast<std::size_t>(i)]; };
-  auto const line = [&](Vec3<double> const& x) { return nearest_on_polyline(at, std::int64_t(p.size()), x); };
+  auto const line = [&](Vec3<double> const& x) {
+    return nearest_on_polyline(at, std::int64_t(p.size()), x);
+  };
   REQUIRE(line(vec(0.25, -1.0, 0.0)).weight == Approx(0.25));
   REQUIRE(line(vec(0.25, -1.0, 0.0)).distance == Approx(1));
   REQUIRE(line(vec(2.0, 1.0, 0.0)).piece == 2);
@@ -42,7 +45,8 @@ TEST_CASE("the nearest point of a polyline; coincident points do no harm", "[geo
   REQUIRE(polyline_length<double>(at, 4) == Approx(3));
 }
 
-TEMPLATE_TEST_CASE("the nearest point of a triangle beats a fine search", "[geometry]", float, double) {
+TEMPLATE_TEST_CASE("the nearest point of a triangle beats a fine search", "[geometry]", float,
+                   double) {
   using T = TestType;
   std::mt19937 rng(5);
   std::normal_distribution<double> n;
@@ -67,5 +71,6 @@ TEMPLATE_TEST_CASE("the nearest point of a triangle beats a fine search", "[geom
   for (int f : features) REQUIRE(f > 10);
   // Without area: the edge.
   Triangle<T> const flat{vec<T>(0, 0, 0), vec<T>(1, 0, 0), vec<T>(2, 0, 0)};
-  REQUIRE(norm(flat.at(nearest_on_triangle(flat, vec<T>(T(1.5), T(1), T(0))).weights) - vec<T>(T(1.5), T(0), T(0))) <= 4 * epsilon<T>);
+  REQUIRE(norm(flat.at(nearest_on_triangle(flat, vec<T>(T(1.5), T(1), T(0))).weights) -
+               vec<T>(T(1.5), T(0), T(0))) <= 4 * epsilon<T>);
 }

@@ -13,7 +13,8 @@ template <class T> NeedleBody<T> steel_needle(double angle = 3.141592653589793) 
   return NeedleBody<T>::of(Arc<T>{T(0.0064), T(angle), T(0.0004), T(0)}, T(7900));
 }
 template <class T> Pose<T> tilted() {
-  return {vec<T>(T(0.011), T(-0.02), T(0.03)), quaternion::from_rotation_vector(vec<T>(T(0.4), T(-1.2), T(0.7)))};
+  return {vec<T>(T(0.011), T(-0.02), T(0.03)),
+          quaternion::from_rotation_vector(vec<T>(T(0.4), T(-1.2), T(0.7)))};
 }
 }  // namespace
 
@@ -30,10 +31,12 @@ TEST_CASE("mass, centre and inertia of an arc equal their integrals", "[needle][
     for (int i = 0; i < na; ++i)
       for (int j = 0; j < nr; ++j)
         for (int k = 0; k < nw; ++k) {
-          double const a = -angle * (i + 0.5) / na, r = arc.wire_radius * (j + 0.5) / nr, w = 6.283185307179586 * (k + 0.5) / nw;
+          double const a = -angle * (i + 0.5) / na, r = arc.wire_radius * (j + 0.5) / nr,
+                       w = 6.283185307179586 * (k + 0.5) / nw;
           double const rho = arc.radius + r * std::cos(w);
           Vec3<double> const x = vec(rho * std::cos(a), rho * std::sin(a), r * std::sin(w));
-          double const m = density * rho * r * (angle / na) * (arc.wire_radius / nr) * (6.283185307179586 / nw);
+          double const m =
+              density * rho * r * (angle / na) * (arc.wire_radius / nr) * (6.283185307179586 / nw);
           mass += m;
           first += m * x;
           second += m * outer(x, x);
@@ -67,9 +70,12 @@ TEMPLATE_TEST_CASE("a body and its inverse inertia agree", "[needle][inertia]", 
   auto const body = steel_needle<T>();
   auto const pose = tilted<T>();
   Vec3<T> const w = vec<T>(T(3), T(-5), T(2));
-  REQUIRE(norm(body.divided_by_inertia(pose, body.times_inertia(pose, w)) - w) <= 100 * epsilon<T> * norm(w));
-  // The mobility of a point is the velocity change that an impulse makes there; symmetric when swapped.
-  Vec3<T> const a = to_world(pose, vec<T>(T(0.0064), T(0), T(0))), b = to_world(pose, vec<T>(T(-0.0064), T(0), T(0)));
+  REQUIRE(norm(body.divided_by_inertia(pose, body.times_inertia(pose, w)) - w) <=
+          100 * epsilon<T> * norm(w));
+  // The mobility of a point is the velocity change that an impulse makes there; symmetric when
+  // swapped.
+  Vec3<T> const a = to_world(pose, vec<T>(T(0.0064), T(0), T(0))),
+                b = to_world(pose, vec<T>(T(-0.0064), T(0), T(0)));
   Vec3<T> const j = vec<T>(T(1e-6), T(-2e-6), T(5e-7));
   Twist<T> const after = body.kicked(pose, Twist<T>{}, j, a);
   auto const dv = velocity_at(pose, after, b);
@@ -78,14 +84,17 @@ TEMPLATE_TEST_CASE("a body and its inverse inertia agree", "[needle][inertia]", 
   REQUIRE(norm(m - n) <= 200 * epsilon<T> * norm(m));
 }
 
-TEMPLATE_TEST_CASE("free motion conserves momentum and angular momentum to rounding and bounds the energy", "[needle][motion]", float, double) {
+TEMPLATE_TEST_CASE(
+    "free motion conserves momentum and angular momentum to rounding and bounds the energy",
+    "[needle][motion]", float, double) {
   using T = TestType;
   auto const body = steel_needle<T>();
   auto pose = tilted<T>();
   // Close to the axis of the middle moment: it tumbles, so every axis takes part.
   REQUIRE(body.inertia[1] < body.inertia[0]);
   REQUIRE(body.inertia[0] < body.inertia[2]);
-  Vec3<T> const spin = quaternion::rotate(pose.orientation, quaternion::rotate(body.principal, vec<T>(T(60), T(0.3), T(0.2))));
+  Vec3<T> const spin = quaternion::rotate(
+      pose.orientation, quaternion::rotate(body.principal, vec<T>(T(60), T(0.3), T(0.2))));
   Twist<T> twist{vec<T>(T(0.05), T(-0.02), T(0.01)), spin};
   auto const p0 = body.momentum(pose, twist);
   auto const l0 = body.angular_momentum(pose, twist, body.centre_of_mass(pose));
@@ -97,7 +106,9 @@ TEMPLATE_TEST_CASE("free motion conserves momentum and angular momentum to round
   for (int i = 0; i < steps; ++i) {
     body.advance(pose, twist, dt);
     worst_p = max(worst_p, norm(body.momentum(pose, twist) - p0) / norm(p0));
-    worst_l = max(worst_l, norm(body.angular_momentum(pose, twist, body.centre_of_mass(pose)) - l0) / norm(l0));
+    worst_l =
+        max(worst_l,
+            norm(body.angular_momentum(pose, twist, body.centre_of_mass(pose)) - l0) / norm(l0));
     worst_e = max(worst_e, abs(body.kinetic_energy(pose, twist) - e0) / e0);
     worst_w = max(worst_w, norm(twist.angular - spin) / norm(spin));
   }
@@ -140,17 +151,22 @@ TEST_CASE("a steady turn about a principal axis is exact at any step", "[needle]
   REQUIRE(std::abs(norm(pose.position - com0) - norm(x0 - com0)) < 1e-13);
 }
 
-TEST_CASE("an impulse changes momentum, angular momentum and energy as it must", "[needle][motion]") {
+TEST_CASE("an impulse changes momentum, angular momentum and energy as it must",
+          "[needle][motion]") {
   auto const body = steel_needle<double>(4.0);
   auto const pose = tilted<double>();
   Twist<double> const before{vec(0.1, 0.2, -0.1), vec(10.0, -20.0, 5.0)};
-  Vec3<double> const at = to_world(pose, vec(0.0, -0.0064, 0.0)), j = vec(2e-5, -1e-5, 3e-5), about = vec(0.3, 0.1, -0.2);
+  Vec3<double> const at = to_world(pose, vec(0.0, -0.0064, 0.0)), j = vec(2e-5, -1e-5, 3e-5),
+                     about = vec(0.3, 0.1, -0.2);
   auto const after = body.kicked(pose, before, j, at);
-  REQUIRE(norm(body.momentum(pose, after) - body.momentum(pose, before) - j) < 1e-14 * norm(j) + 1e-18);
-  auto const dl = body.angular_momentum(pose, after, about) - body.angular_momentum(pose, before, about);
+  REQUIRE(norm(body.momentum(pose, after) - body.momentum(pose, before) - j) <
+          1e-14 * norm(j) + 1e-18);
+  auto const dl =
+      body.angular_momentum(pose, after, about) - body.angular_momentum(pose, before, about);
   REQUIRE(norm(dl - cross(at - about, j)) < 1e-12 * norm(dl));
   auto const mean = 0.5 * (velocity_at(pose, before, at) + velocity_at(pose, after, at));
-  REQUIRE(body.kinetic_energy(pose, after) - body.kinetic_energy(pose, before) == Approx(dot(j, mean)).epsilon(1e-10));
+  REQUIRE(body.kinetic_energy(pose, after) - body.kinetic_energy(pose, before) ==
+          Approx(dot(j, mean)).epsilon(1e-10));
 }
 
 TEST_CASE("needle parameters are checked, alone and together", "[needle][parameters]") {
@@ -160,13 +176,16 @@ TEST_CASE("needle parameters are checked, alone and together", "[needle][paramet
   REQUIRE_NOTHROW(check_needle<ArcNeedle>(k, domain));
   auto bad = k;
   bad.radius = 0.8;
-  REQUIRE_THROWS_WITH(check_needle<ArcNeedle>(bad, domain), Contains("radius = 0.800000 m") && Contains("(0, 0.7]"));
+  REQUIRE_THROWS_WITH(check_needle<ArcNeedle>(bad, domain),
+                      Contains("radius = 0.800000 m") && Contains("(0, 0.7]"));
   bad = k;
   bad.cutting_force = 500.0;
-  REQUIRE_THROWS_WITH(check_needle<ArcNeedle>(bad, domain), Contains("cutting_force = 500.000000 N") && Contains("[0, 400]"));
+  REQUIRE_THROWS_WITH(check_needle<ArcNeedle>(bad, domain),
+                      Contains("cutting_force = 500.000000 N") && Contains("[0, 400]"));
   bad = k;
   bad.wire_radius = 0.4;
   REQUIRE_THROWS_WITH(check_needle<ArcNeedle>(bad, domain), Contains("wire_radius"));
   FreeArcNeedle::Parameters<float> free{0.0064f, 3.1f, 0.0004f, 0.001f, 0.15f, 0.05f, -1.0f};
-  REQUIRE_THROWS_WITH((check_needle<FreeArcNeedle, float>(free, vec(1.f, 1.f, 1.f))), Contains("FreeArcNeedle: density = -1.0"));
+  REQUIRE_THROWS_WITH((check_needle<FreeArcNeedle, float>(free, vec(1.f, 1.f, 1.f))),
+                      Contains("FreeArcNeedle: density = -1.0"));
 }

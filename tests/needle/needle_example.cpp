@@ -12,7 +12,8 @@ using namespace mpmpbd;
 TEST_CASE("the example of the page on needles", "[needle][example]") {
   // Markers 12 mm apart, needle of 6.4 mm: drive for 6 s, then turn out and pull for 4 s.
   Arc<double> const arc{0.0064, 3.14159, 0.0004, 0.002};
-  auto const path = SuturePath::between(vec(0.020, 0.016, 0.024), vec(0.032, 0.016, 0.024), vec(0.0, 0.0, 1.0), arc.radius);
+  auto const path = SuturePath::between(vec(0.020, 0.016, 0.024), vec(0.032, 0.016, 0.024),
+                                        vec(0.0, 0.0, 1.0), arc.radius);
   SutureMotion motion;
   motion.pull = vec(0.001, 0.0, 0.004);
   Script const script = suture_script(path, arc, motion);

@@ -1,4 +1,5 @@
-// Channels: opened by a puncture, laid by the tip, closed by an exit; who is a member and who lies on top.
+// Channels: opened by a puncture, laid by the tip, closed by an exit; who is a member and who lies
+// on top.
 #include "catch.hpp"
 
 #include "held_sheet.hpp"
@@ -11,7 +12,9 @@ using namespace mpmpbd;
 
 namespace {
 
-struct WirePoints { static constexpr FixedString name = "wire point"; };
+struct WirePoints {
+  static constexpr FixedString name = "wire point";
+};
 using MemberField = channel::Member<WirePoints>;
 
 template <class T> constexpr T cell = T(0.002);
@@ -42,25 +45,33 @@ template <class T> struct Scene {
     return Row<decltype(v), MemberField>{v, env * v.capacity};
   }
   // How full of tissue the cells around x are: 1 inside, falling to 0 over a cell.
-  T coverage(Vec3<T> const& x) const { return clamp(T(0.5) - block<T>().distance(x) / cell<T>, T(0), T(1)); }
+  T coverage(Vec3<T> const& x) const {
+    return clamp(T(0.5) - block<T>().distance(x) / cell<T>, T(0), T(1));
+  }
   void settle(int gauss, int needle_points, bool swaged, Tip<T> const& tip) {
-    for (int q = 0; q < gauss + needle_points; ++q) points[q].coverage = coverage(points[q].position);
-    update_members(points, gauss, needle_points, swaged, members(), tip, set(), 0, held.sheet(), cell<T>);
     for (int q = 0; q < gauss + needle_points; ++q)
-      faults |= settle_point(points, q, gauss, set(), std::int64_t{0}, held.sheet(), held.columns(), cell<T>);
+      points[q].coverage = coverage(points[q].position);
+    update_members(points, gauss, needle_points, swaged, members(), tip, set(), 0, held.sheet(),
+                   cell<T>);
+    for (int q = 0; q < gauss + needle_points; ++q)
+      faults |= settle_point(points, q, gauss, set(), std::int64_t{0}, held.sheet(), held.columns(),
+                             cell<T>);
   }
   Tip<T> tip() { return Tip<T>::load(needles.view(), env); }
   // A straight channel down from the top at (x, y).
   void cut(T x, T y, T depth) {
     auto const start = vec<T>(x, y, top<T>);
     REQUIRE(set().open(0, mark_at(held.sheet(), start), start) == 0);
-    for (int i = 1; T(i) * T(0.0011) <= depth; ++i) REQUIRE(set().extend(0, start - vec<T>(0, 0, T(i) * T(0.0011)), cell<T>) == 0);
+    for (int i = 1; T(i) * T(0.0011) <= depth; ++i)
+      REQUIRE(set().extend(0, start - vec<T>(0, 0, T(i) * T(0.0011)), cell<T>) == 0);
   }
 };
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("an arc needle goes through: one entry, one exit, a track along the arc, members behind the tip", "[channel][needle]", float, double) {
+TEMPLATE_TEST_CASE(
+    "an arc needle goes through: one entry, one exit, a track along the arc, members behind the tip",
+    "[channel][needle]", float, double) {
   using T = TestType;
   Scene<T> s;
   // Phantom: markers 12 mm apart on the top, needle of 6.4 mm; positions off the vertices.
@@ -89,13 +100,17 @@ TEMPLATE_TEST_CASE("an arc needle goes through: one entry, one exit, a track alo
     last_members = members;
     // Members form one piece: a point is one only next to another one or at a mouth.
     int changes = 0;
-    for (int k = 2; k < n; ++k) changes += (s.points[k].contact == Contact::member) != (s.points[k - 1].contact == Contact::member);
+    for (int k = 2; k < n; ++k)
+      changes +=
+          (s.points[k].contact == Contact::member) != (s.points[k - 1].contact == Contact::member);
     order = order && changes <= 2;
     auto const tip_now = to_world(cast_pose<T>(script.pose((i + 1) * dt)), wire.point(T(0)));
     // The tissue is rigid here: it resists with whatever the tip can bear.
     T const impulse = s.points[0].contact == Contact::tip ? s.points[0].force_cap * T(dt) : T(0);
-    s.faults |= update_needle_surface(view, std::int64_t{1}, std::int64_t{0}, tip_now, impulse, Tick<T>{T(dt), T(dt), i}, T(i * dt),
-                                      s.held.sheet(), s.held.columns(), cell<T>, forces, cast<T>(entry), cast<T>(exit), s.set(), s.log());
+    s.faults |=
+        update_needle_surface(view, std::int64_t{1}, std::int64_t{0}, tip_now, impulse,
+                              Tick<T>{T(dt), T(dt), i}, T(i * dt), s.held.sheet(), s.held.columns(),
+                              cell<T>, forces, cast<T>(entry), cast<T>(exit), s.set(), s.log());
   }
   REQUIRE(s.faults == 0);
   REQUIRE(s.log().count() == 2);
@@ -121,7 +136,8 @@ TEMPLATE_TEST_CASE("an arc needle goes through: one entry, one exit, a track alo
   for (std::int64_t i = 0; i < set.track_points(0); ++i) {
     auto const r = set.track(0, i) - cast<T>(path.centre);
     REQUIRE(norm(r) == Approx(arc.radius).epsilon(1e-3));
-    if (i + 1 < set.track_points(0)) REQUIRE(norm(set.track(0, i + 1) - set.track(0, i)) < T(0.6) * cell<T>);
+    if (i + 1 < set.track_points(0))
+      REQUIRE(norm(set.track(0, i + 1) - set.track(0, i)) < T(0.6) * cell<T>);
   }
   REQUIRE(set.track_points(0) == Approx(path.angle * arc.radius / 0.001).margin(3));
   // Environment 0 has seen nothing.
@@ -129,7 +145,8 @@ TEMPLATE_TEST_CASE("an arc needle goes through: one entry, one exit, a track alo
   REQUIRE(s.channels.template get<channel::Needle>(0, 0) == 0);
 }
 
-TEMPLATE_TEST_CASE("a thread that follows through a mouth becomes a member, point by point", "[channel]", float, double) {
+TEMPLATE_TEST_CASE("a thread that follows through a mouth becomes a member, point by point",
+                   "[channel]", float, double) {
   using T = TestType;
   Scene<T> s;
   s.cut(T(0.0203), T(0.0161), T(0.012));
@@ -138,13 +155,15 @@ TEMPLATE_TEST_CASE("a thread that follows through a mouth becomes a member, poin
   // Straight above the channel, drawn down by a twentieth of a cell per step; point n - 1 leads.
   for (int step = 0; step <= 180; ++step) {
     for (int q = 0; q < n; ++q) {
-      s.points[q].position = vec<T>(T(0.0203), T(0.0161), top<T> + T(0.002) + T(n - 1 - q) * T(0.001) - T(step) * T(0.0001));
+      s.points[q].position = vec<T>(
+          T(0.0203), T(0.0161), top<T> + T(0.002) + T(n - 1 - q) * T(0.001) - T(step) * T(0.0001));
       s.points[q].axis = vec<T>(0, 0, T(-1));
     }
     s.settle(n, 0, false, outside);
     for (int q = 0; q < n; ++q) {
       T const depth = top<T> - s.points[q].position[2];
-      if (abs(depth + T(0.0005)) > T(2e-5)) {  // coverage 0.25 is a quarter of a cell above the surface
+      if (abs(depth + T(0.0005)) >
+          T(2e-5)) {  // coverage 0.25 is a quarter of a cell above the surface
         CAPTURE(step, q);
         REQUIRE((s.points[q].contact == Contact::member) == (depth > T(-0.0005)));
       }
@@ -154,7 +173,8 @@ TEMPLATE_TEST_CASE("a thread that follows through a mouth becomes a member, poin
   REQUIRE(s.faults == 0);
 }
 
-TEMPLATE_TEST_CASE("a thread on the surface is not glued to it, beside a mouth neither", "[channel]", float, double) {
+TEMPLATE_TEST_CASE("a thread on the surface is not glued to it, beside a mouth neither",
+                   "[channel]", float, double) {
   using T = TestType;
   Scene<T> s;
   bool const with_channel = GENERATE(false, true);
@@ -163,11 +183,13 @@ TEMPLATE_TEST_CASE("a thread on the surface is not glued to it, beside a mouth n
   int const down = with_channel ? 8 : 0, n = 24 + down;
   for (int q = 24; q < n; ++q) s.members().set(q, 1);  // these have come through the mouth
   for (int step = 0; step < 200; ++step) {
-    // The end comes up through the channel; the rest lies on the surface, pressed in by a fifth of a cell.
+    // The end comes up through the channel; the rest lies on the surface, pressed in by a fifth of
+    // a cell.
     for (int q = 0; q < n; ++q) {
       T const along = T(n - 1 - q) * T(0.001) - T(down) * T(0.001);
-      s.points[q].position = along < T(0) ? vec<T>(T(0.0203), T(0.0161), top<T> + along)
-                                          : vec<T>(T(0.0203) + along * T(0.8), T(0.0161), top<T> - T(0.2) * cell<T>);
+      s.points[q].position =
+          along < T(0) ? vec<T>(T(0.0203), T(0.0161), top<T> + along)
+                       : vec<T>(T(0.0203) + along * T(0.8), T(0.0161), top<T> - T(0.2) * cell<T>);
     }
     s.settle(n, 0, false, outside);
   }
@@ -187,7 +209,8 @@ TEMPLATE_TEST_CASE("a thread on the surface is not glued to it, beside a mouth n
   REQUIRE(on_surface >= 20);
 }
 
-TEMPLATE_TEST_CASE("off the tissue nothing is felt; too deep without a puncture sets the bit", "[channel]", float, double) {
+TEMPLATE_TEST_CASE("off the tissue nothing is felt; too deep without a puncture sets the bit",
+                   "[channel]", float, double) {
   using T = TestType;
   Scene<T> s;
   auto const outside = Tip<T>::at(vec<T>(0, 0, T(0.03)));
@@ -213,7 +236,8 @@ TEMPLATE_TEST_CASE("off the tissue nothing is felt; too deep without a puncture 
   REQUIRE(norm(s.points[0].axis - vec<T>(T(-1), 0, 0)) < T(1e-4));
 }
 
-TEMPLATE_TEST_CASE("a member stays one wherever the track is, until it leaves the tissue", "[channel]", float, double) {
+TEMPLATE_TEST_CASE("a member stays one wherever the track is, until it leaves the tissue",
+                   "[channel]", float, double) {
   using T = TestType;
   Scene<T> s;
   s.cut(T(0.0203), T(0.0161), T(0.012));
@@ -225,9 +249,11 @@ TEMPLATE_TEST_CASE("a member stays one wherever the track is, until it leaves th
   };
   REQUIRE(one(T(0.0203), T(0.0242)) == Contact::member);  // through the mouth
   REQUIRE(one(T(0.0203), T(0.0200)) == Contact::member);
-  REQUIRE(one(T(0.0263), T(0.0200)) == Contact::member);  // three cells beside the track: it was a member
-  REQUIRE(one(T(0.0263), T(0.0249)) == Contact::off);     // out
-  REQUIRE(one(T(0.0263), T(0.0239)) == Contact::surface); // and it does not get back in but by a mouth
+  REQUIRE(one(T(0.0263), T(0.0200)) ==
+          Contact::member);  // three cells beside the track: it was a member
+  REQUIRE(one(T(0.0263), T(0.0249)) == Contact::off);  // out
+  REQUIRE(one(T(0.0263), T(0.0239)) ==
+          Contact::surface);  // and it does not get back in but by a mouth
   REQUIRE(s.faults == 0);
   REQUIRE(one(T(0.0203), T(0.0242)) == Contact::member);
 }
@@ -237,7 +263,9 @@ TEMPLATE_TEST_CASE("mouths and track go with the tissue", "[channel]", float, do
   Scene<T> s;
   s.cut(T(0.0203), T(0.0161), T(0.006));
   T const dt = T(1e-3);
-  auto velocity = [](Vec3<T> const& x) { return vec<T>(T(0.2) + T(5) * (x[2] - top<T>), T(0), T(0)); };
+  auto velocity = [](Vec3<T> const& x) {
+    return vec<T>(T(0.2) + T(5) * (x[2] - top<T>), T(0), T(0));
+  };
   auto const before = s.set().track(0, 3);
   auto sheet = s.held.sheet();
   auto const mouth_before = position(sheet, s.set().mouth(0, 0));
@@ -245,17 +273,22 @@ TEMPLATE_TEST_CASE("mouths and track go with the tissue", "[channel]", float, do
     for (std::int64_t v = 0; v < sheet.vertices; ++v) advect(sheet.vertex, v, velocity, dt);
     s.set().advect_tracks(velocity, dt);
   }
-  REQUIRE(norm(position(sheet, s.set().mouth(0, 0)) - mouth_before - vec<T>(T(0.002), 0, 0)) < T(1e-7));
+  REQUIRE(norm(position(sheet, s.set().mouth(0, 0)) - mouth_before - vec<T>(T(0.002), 0, 0)) <
+          T(1e-7));
   REQUIRE(norm(s.set().track(0, 3) - before - T(0.01) * velocity(before)) < T(1e-7));
 }
 
-TEMPLATE_TEST_CASE("drawing back lays no track and makes no second mouth; a new puncture opens a new channel", "[channel]", float, double) {
+TEMPLATE_TEST_CASE(
+    "drawing back lays no track and makes no second mouth; a new puncture opens a new channel",
+    "[channel]", float, double) {
   using T = TestType;
   Scene<T> s;
   s.cut(T(0.0203), T(0.0161), T(0.006));
   auto const set = s.set();
   auto const points = set.track_points(0);
-  for (int i = 0; i < 60; ++i) REQUIRE(set.extend(0, vec<T>(T(0.0204), T(0.0161), top<T> - T(0.0055) + T(i) * T(0.00009)), cell<T>) == 0);
+  for (int i = 0; i < 60; ++i)
+    REQUIRE(set.extend(0, vec<T>(T(0.0204), T(0.0161), top<T> - T(0.0055) + T(i) * T(0.00009)),
+                       cell<T>) == 0);
   REQUIRE(set.track_points(0) == points);
   auto const mouth = position(s.held.sheet(), set.mouth(0, 0));
   REQUIRE(set.close(0, set.mouth(0, 0), mouth + vec<T>(T(0.0002), 0, 0), mouth, cell<T>) == 0);
@@ -270,9 +303,12 @@ TEMPLATE_TEST_CASE("drawing back lays no track and makes no second mouth; a new 
   // After reset nothing is left, in fields or elsewhere.
   set.clear();
   Scene<T> fresh;
-  REQUIRE(s.channels.template planes<channel::Points>() == fresh.channels.template planes<channel::Points>());
-  REQUIRE(s.channels.template planes<channel::MouthWeights>() == fresh.channels.template planes<channel::MouthWeights>());
-  REQUIRE(s.track.template planes<channel::Position>() == fresh.track.template planes<channel::Position>());
+  REQUIRE(s.channels.template planes<channel::Points>() ==
+          fresh.channels.template planes<channel::Points>());
+  REQUIRE(s.channels.template planes<channel::MouthWeights>() ==
+          fresh.channels.template planes<channel::MouthWeights>());
+  REQUIRE(s.track.template planes<channel::Position>() ==
+          fresh.track.template planes<channel::Position>());
 }
 
 TEST_CASE("capacities that are too small set the overflow bit and lose nothing else", "[channel]") {
@@ -282,13 +318,16 @@ TEST_CASE("capacities that are too small set the overflow bit and lose nothing e
   auto const mark = mark_at(s.held.sheet(), x);
   REQUIRE(set.open(0, mark, x) == 0);
   for (int i = 1; i < 4; ++i) REQUIRE(set.extend(0, x - vec(0.0, 0.0, 0.0011 * i), 0.002) == 0);
-  REQUIRE(set.extend(0, x - vec(0.0, 0.0, 0.0055), 0.002) == static_cast<std::uint32_t>(Fault::overflow));
+  REQUIRE(set.extend(0, x - vec(0.0, 0.0, 0.0055), 0.002) ==
+          static_cast<std::uint32_t>(Fault::overflow));
   REQUIRE(set.track_points(0) == 4);
   REQUIRE(set.open(0, mark, x) == static_cast<std::uint32_t>(Fault::overflow));
   REQUIRE(set.mouths(0) == 1);
   // Of the list of events.
-  for (int i = 0; i < 8; ++i) REQUIRE(s.log().append({EventKind::entry, 0, mark, x, i, 0.1 * i, 0.15, 0.0}) == 0);
-  REQUIRE(s.log().append({EventKind::exit, 0, mark, x, 9, 0.9, 0.15, 0.0}) == static_cast<std::uint32_t>(Fault::overflow));
+  for (int i = 0; i < 8; ++i)
+    REQUIRE(s.log().append({EventKind::entry, 0, mark, x, i, 0.1 * i, 0.15, 0.0}) == 0);
+  REQUIRE(s.log().append({EventKind::exit, 0, mark, x, 9, 0.9, 0.15, 0.0}) ==
+          static_cast<std::uint32_t>(Fault::overflow));
   REQUIRE(s.log().count() == 8);
   REQUIRE(s.log()(7).step == 7);
   REQUIRE(s.events.get<event::Kind>(0, 0) == 0);
@@ -296,12 +335,13 @@ TEST_CASE("capacities that are too small set the overflow bit and lose nothing e
   REQUIRE(s.log().count() == 0);
 }
 
-TEMPLATE_TEST_CASE("a whole thread behind the needle: members only behind members", "[channel][needle]", float, double) {
+TEMPLATE_TEST_CASE("a whole thread behind the needle: members only behind members",
+                   "[channel][needle]", float, double) {
   using T = TestType;
   Scene<T> s;
   s.cut(T(0.0203), T(0.0161), T(0.012));
-  // Six needle points lead down the channel (the tip inside), twelve thread points follow; the last bead
-  // is at the needle, so thread point 11 is next to it.
+  // Six needle points lead down the channel (the tip inside), twelve thread points follow; the last
+  // bead is at the needle, so thread point 11 is next to it.
   auto tip = Tip<T>::at(vec<T>(T(0.0203), T(0.0161), T(0.016)));
   tip.state = TipState::inside;
   tip.cap = T(0.05);
@@ -310,8 +350,11 @@ TEMPLATE_TEST_CASE("a whole thread behind the needle: members only behind member
   for (int down = 0; down < 3; ++down) {
     T const z = T(0.016) - T(down) * T(0.002);
     s.points[gauss].position = vec<T>(T(0.0203), T(0.0161), z);
-    for (int k = 1; k < needle_points; ++k) s.points[gauss + k].position = vec<T>(T(0.0203), T(0.0161), z + T(k - 1) * T(0.001));
-    for (int q = 0; q < gauss; ++q) s.points[q].position = vec<T>(T(0.0203), T(0.0161), z + T(0.006) + T(gauss - 1 - q) * T(0.001));
+    for (int k = 1; k < needle_points; ++k)
+      s.points[gauss + k].position = vec<T>(T(0.0203), T(0.0161), z + T(k - 1) * T(0.001));
+    for (int q = 0; q < gauss; ++q)
+      s.points[q].position =
+          vec<T>(T(0.0203), T(0.0161), z + T(0.006) + T(gauss - 1 - q) * T(0.001));
     s.settle(gauss, needle_points, swaged, tip);
   }
   REQUIRE(s.points[gauss].contact == Contact::tip);
@@ -320,7 +363,8 @@ TEMPLATE_TEST_CASE("a whole thread behind the needle: members only behind member
   for (int q = 0; q < gauss; ++q) {
     bool const in = s.points[q].position[2] < top<T> + T(0.0005);
     CAPTURE(q, swaged);
-    if (!swaged && s.points[q].position[2] < top<T> - T(0.0011)) continue;  // placed inside without a mouth
+    if (!swaged && s.points[q].position[2] < top<T> - T(0.0011))
+      continue;  // placed inside without a mouth
     REQUIRE((s.points[q].contact == Contact::member) == in);
   }
   if (swaged) REQUIRE(s.faults == 0);

@@ -34,7 +34,8 @@ template <class H> void bend(H& held) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("the sheet of a box is closed, turns outwards and has its volume", "[surface][sheet]", float, double) {
+TEMPLATE_TEST_CASE("the sheet of a box is closed, turns outwards and has its volume",
+                   "[surface][sheet]", float, double) {
   using T = TestType;
   auto const mesh = box_sheet(block<T>(), Vec3<int>{{20, 10, 10}});
   REQUIRE_NOTHROW(check_sheet(mesh));
@@ -83,7 +84,8 @@ TEST_CASE("what is not a closed sheet is refused with the reason", "[surface][sh
   REQUIRE_THROWS_WITH(box_sheet(Box<double>{}, Vec3<int>{{2, 2, 2}}), Contains("is not above"));
 }
 
-TEMPLATE_TEST_CASE("inside is found for any point, also below edges and vertices", "[surface][side]", float, double) {
+TEMPLATE_TEST_CASE("inside is found for any point, also below edges and vertices",
+                   "[surface][side]", float, double) {
   using T = TestType;
   auto held = held_block<T>();
   REQUIRE(held.faults == 0);
@@ -112,7 +114,9 @@ TEMPLATE_TEST_CASE("inside is found for any point, also below edges and vertices
   REQUIRE_FALSE(is_inside(sheet, columns, vec<T>(T(0.02), T(7), T(0.01))));
 }
 
-TEMPLATE_TEST_CASE("a path through a closed sheet crosses it an even number of times, seams included", "[surface][crossing]", float, double) {
+TEMPLATE_TEST_CASE(
+    "a path through a closed sheet crosses it an even number of times, seams included",
+    "[surface][crossing]", float, double) {
   using T = TestType;
   auto held = held_block<T>();
   auto const deformed = GENERATE(false, true);
@@ -123,7 +127,8 @@ TEMPLATE_TEST_CASE("a path through a closed sheet crosses it an even number of t
   std::mt19937 rng(2);
   int through_seams = 0;
   for (std::int64_t v = 0; v < sheet.vertices; ++v) {
-    // From outside, exactly towards a vertex, an edge's middle or a random point, to the far outside.
+    // From outside, exactly towards a vertex, an edge's middle or a random point, to the far
+    // outside.
     auto const c = sheet.corners((v * 2) % sheet.triangles);
     auto const edge = T(0.5) * (sheet.vertex(c[0]) + sheet.vertex(c[1]));
     for (auto const& aim : {sheet.vertex(v), edge, uniform(rng, block<T>().low, block<T>().high)}) {
@@ -151,7 +156,8 @@ TEMPLATE_TEST_CASE("a path through a closed sheet crosses it an even number of t
   REQUIRE(through_seams > 1000);
 }
 
-TEMPLATE_TEST_CASE("a straight way down through a vertex, an edge or a face is one crossing", "[surface][crossing]", float, double) {
+TEMPLATE_TEST_CASE("a straight way down through a vertex, an edge or a face is one crossing",
+                   "[surface][crossing]", float, double) {
   using T = TestType;
   auto held = held_block<T>();
   auto const sheet = held.sheet();
@@ -161,9 +167,11 @@ TEMPLATE_TEST_CASE("a straight way down through a vertex, an edge or a face is o
   for (std::int64_t v = 0; v < sheet.vertices; ++v) {
     auto const x = sheet.vertex(v);
     if (x[2] != box.high[2] || box.distance(vec<T>(x[0], x[1], T(0.014))) > T(-1e-4)) continue;
-    for (auto const& off : {vec<T>(0, 0, 0), vec<T>(T(0.001), 0, 0), vec<T>(T(0.001), T(0.001), 0), vec<T>(T(0.0003), T(0.0011), 0)}) {
+    for (auto const& off : {vec<T>(0, 0, 0), vec<T>(T(0.001), 0, 0), vec<T>(T(0.001), T(0.001), 0),
+                            vec<T>(T(0.0003), T(0.0011), 0)}) {
       if (box.distance(x + off) > T(1e-6)) continue;
-      auto const found = crossings(sheet, columns, x + off + vec<T>(0, 0, T(0.001)), x + off - vec<T>(0, 0, T(0.001)));
+      auto const found = crossings(sheet, columns, x + off + vec<T>(0, 0, T(0.001)),
+                                   x + off - vec<T>(0, 0, T(0.001)));
       REQUIRE(found.count == 1);
       REQUIRE_FALSE(found.list[0].leaving);
       REQUIRE(found.list[0].share == Approx(0.5).epsilon(1e-4));
@@ -179,12 +187,14 @@ TEMPLATE_TEST_CASE("a straight way down through a vertex, an edge or a face is o
   REQUIRE(tested > 600);
 }
 
-TEMPLATE_TEST_CASE("one large motion through a corner finds both crossings in order", "[surface][crossing]", float, double) {
+TEMPLATE_TEST_CASE("one large motion through a corner finds both crossings in order",
+                   "[surface][crossing]", float, double) {
   using T = TestType;
   auto held = held_block<T>();
   auto const box = block<T>();
   // In through the top, out through the side, in one step of 6 mm = 3 cells.
-  Vec3<T> const p = vec<T>(T(0.0431), T(0.0163), box.high[2] + T(0.001)), q = vec<T>(T(0.0471), T(0.0163), box.high[2] - T(0.003));
+  Vec3<T> const p = vec<T>(T(0.0431), T(0.0163), box.high[2] + T(0.001)),
+                q = vec<T>(T(0.0471), T(0.0163), box.high[2] - T(0.003));
   auto const found = crossings(held.sheet(), held.columns(), p, q);
   REQUIRE(found.count == 2);
   REQUIRE_FALSE(found.list[0].leaving);
@@ -199,7 +209,8 @@ TEMPLATE_TEST_CASE("one large motion through a corner finds both crossings in or
   REQUIRE_FALSE(one.list[0].leaving);
 }
 
-TEMPLATE_TEST_CASE("distance, side, nearest point and normal", "[surface][distance]", float, double) {
+TEMPLATE_TEST_CASE("distance, side, nearest point and normal", "[surface][distance]", float,
+                   double) {
   using T = TestType;
   auto held = held_block<T>();
   auto const sheet = held.sheet();
@@ -225,18 +236,22 @@ TEMPLATE_TEST_CASE("distance, side, nearest point and normal", "[surface][distan
     REQUIRE(norm(s.normal) == Approx(1));
     // Along the normal the distance grows.
     T const h = T(2e-5);
-    REQUIRE(box.distance(x + h * s.normal) == Approx(exact + h).margin(T(0.02) * h + 20 * epsilon<T> * T(0.05)));
+    REQUIRE(box.distance(x + h * s.normal) ==
+            Approx(exact + h).margin(T(0.02) * h + 20 * epsilon<T> * T(0.05)));
   }
   REQUIRE(found > 500);
 }
 
-TEMPLATE_TEST_CASE("columns find what a test of all triangles finds, after motion within the margin too", "[surface][columns]", float, double) {
+TEMPLATE_TEST_CASE(
+    "columns find what a test of all triangles finds, after motion within the margin too",
+    "[surface][columns]", float, double) {
   using T = TestType;
   auto held = held_block<T>();
   bend(held);
   // Move by less than the margin without a rebuild.
   auto const s = held.sheet();
-  for (std::int64_t i = 0; i < s.vertices; ++i) s.vertex.set(i, s.vertex(i) + vec<T>(T(0.0003), T(-0.00035), T(0.0004)));
+  for (std::int64_t i = 0; i < s.vertices; ++i)
+    s.vertex.set(i, s.vertex(i) + vec<T>(T(0.0003), T(-0.00035), T(0.0004)));
   auto const columns = held.columns();
   std::mt19937 rng(5);
   for (int i = 0; i < 400; ++i) {
@@ -266,7 +281,8 @@ TEMPLATE_TEST_CASE("columns find what a test of all triangles finds, after motio
   REQUIRE(once == held.items.template planes<sheet::Item>());
 }
 
-TEST_CASE("too few items for the columns sets the overflow bit and writes nothing beyond", "[surface][columns]") {
+TEST_CASE("too few items for the columns sets the overflow bit and writes nothing beyond",
+          "[surface][columns]") {
   auto const mesh = box_sheet(block<double>(), Vec3<int>{{20, 10, 10}});
   Held<double> held(mesh, 0.002, 0.0005, {{0.0, 0.0}}, 26, 16, 500);
   REQUIRE(has(held.faults, Fault::overflow));
@@ -293,16 +309,21 @@ TEMPLATE_TEST_CASE("tracers and marks move with the tissue", "[surface][advect]"
   Vec3<T> const centre = block<T>().centre(), omega = vec<T>(0, 0, T(3));
   for (int step = 0; step < 100; ++step)
     for (std::int64_t i = 0; i < s.vertices; ++i)
-      advect(s.vertex, i, [&](Vec3<T> const& x) { return cross(omega, x - centre) + vec<T>(T(0.1), 0, 0); }, dt);
+      advect(
+          s.vertex, i,
+          [&](Vec3<T> const& x) { return cross(omega, x - centre) + vec<T>(T(0.1), 0, 0); }, dt);
   REQUIRE(enclosed_volume(s) == Approx(volume).epsilon(2e-4));
   REQUIRE(norm(position(s, mark) - start) > T(8e-4));
   // The affine motion of the mark is that of its place (explicit Euler, exact for affine fields).
   auto x = start;
-  for (int step = 0; step < 100; ++step) x += dt * (cross(omega, x - centre) + vec<T>(T(0.1), 0, 0));
+  for (int step = 0; step < 100; ++step)
+    x += dt * (cross(omega, x - centre) + vec<T>(T(0.1), 0, 0));
   REQUIRE(norm(position(s, mark) - x) < T(400) * epsilon<T> * T(0.05));
 }
 
-TEMPLATE_TEST_CASE("the picture of a sheet has its triangles, unit normals outwards, and sharp edges", "[surface][picture]", float, double) {
+TEMPLATE_TEST_CASE(
+    "the picture of a sheet has its triangles, unit normals outwards, and sharp edges",
+    "[surface][picture]", float, double) {
   using T = TestType;
   auto held = held_block<T>();
   render::Mesh mesh;
@@ -311,7 +332,9 @@ TEMPLATE_TEST_CASE("the picture of a sheet has its triangles, unit normals outwa
   REQUIRE(mesh.normals.size() == mesh.positions.size());
   for (auto const& t : mesh.triangles) {
     Vec3<float> const& a = mesh.positions[static_cast<std::size_t>(t[0])];
-    auto const n = direction(cross(mesh.positions[static_cast<std::size_t>(t[1])] - a, mesh.positions[static_cast<std::size_t>(t[2])] - a));
-    for (int c = 0; c < 3; ++c) REQUIRE(dot(n, mesh.normals[static_cast<std::size_t>(t[c])]) > 0.999f);
+    auto const n = direction(cross(mesh.positions[static_cast<std::size_t>(t[1])] - a,
+                                   mesh.positions[static_cast<std::size_t>(t[2])] - a));
+    for (int c = 0; c < 3; ++c)
+      REQUIRE(dot(n, mesh.normals[static_cast<std::size_t>(t[c])]) > 0.999f);
   }
 }

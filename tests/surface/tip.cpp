@@ -24,7 +24,8 @@ template <class T> struct Trial {
   explicit Trial(Vec3<T> const& start) : tip(Tip<T>::at(start)) {}
 
   TipChange<T> step(Vec3<T> const& to, T force) {
-    auto const change = advance_tip(tip, to, force * dt<T>, dt<T>, held.sheet(), held.columns(), cell<T>, forces<T>());
+    auto const change = advance_tip(tip, to, force * dt<T>, dt<T>, held.sheet(), held.columns(),
+                                    cell<T>, forces<T>());
     entries += change.kind == EventKind::entry;
     exits += change.kind == EventKind::exit;
     faults |= change.faults;
@@ -50,7 +51,8 @@ template <class T> Vec3<T> above(T height) { return vec<T>(T(0.0203), T(0.0161),
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("the way of a tip: outside, touch, puncture, exit on the other side", "[surface][tip]", float, double) {
+TEMPLATE_TEST_CASE("the way of a tip: outside, touch, puncture, exit on the other side",
+                   "[surface][tip]", float, double) {
   using T = TestType;
   Trial<T> t(above(T(0.003)));
   T const h = T(0.00005);
@@ -71,9 +73,11 @@ TEMPLATE_TEST_CASE("the way of a tip: outside, touch, puncture, exit on the othe
   REQUIRE(norm(change.position - above(T(0))) < T(1e-7));
   REQUIRE(t.tip.state == TipState::inside);
   REQUIRE(t.tip.cap == forces<T>().cutting);
-  // Through the block along x and out of its side at x = 46 mm. At the cutting force nothing happens.
+  // Through the block along x and out of its side at x = 46 mm. At the cutting force nothing
+  // happens.
   Vec3<T> x = above(T(-0.008));
-  for (int i = 0; i < 1000; ++i) t.step(above(T(-0.00006) - T(0.008) * T(i) / T(1000)), forces<T>().cutting);
+  for (int i = 0; i < 1000; ++i)
+    t.step(above(T(-0.00006) - T(0.008) * T(i) / T(1000)), forces<T>().cutting);
   REQUIRE(t.entries == 1);
   while (x[0] < T(0.0465)) {
     x[0] += h;
@@ -88,9 +92,11 @@ TEMPLATE_TEST_CASE("the way of a tip: outside, touch, puncture, exit on the othe
   REQUIRE(t.faults == 0);
 }
 
-TEMPLATE_TEST_CASE("just below the threshold there is no event, just above exactly one", "[surface][tip][A4.6]", float, double) {
+TEMPLATE_TEST_CASE("just below the threshold there is no event, just above exactly one",
+                   "[surface][tip][A4.6]", float, double) {
   using T = TestType;
-  // A spring under the tip, pushed with a given force for 10,000 substeps: depth = F / k, about half a cell.
+  // A spring under the tip, pushed with a given force for 10,000 substeps: depth = F / k, about
+  // half a cell.
   T const stiffness = forces<T>().puncture / (T(0.5) * cell<T>);
   for (double share : {0.98, 1.02}) {
     Trial<T> t(above(T(0.0002)));
@@ -122,30 +128,35 @@ TEMPLATE_TEST_CASE("just below the threshold there is no event, just above exact
       REQUIRE(before == Approx(0.15).epsilon(1e-5));
       REQUIRE(after == forces<T>().cutting);  // the force drops at once
       // Pushed on with the same chatter: still one.
-      for (int i = 0; i < 1000; ++i) t.step(above(-depth - T(1e-6) - T(i % 7) * T(1e-6)), forces<T>().cutting);
+      for (int i = 0; i < 1000; ++i)
+        t.step(above(-depth - T(1e-6) - T(i % 7) * T(1e-6)), forces<T>().cutting);
       REQUIRE(t.entries == 1);
       REQUIRE(t.exits == 0);
     }
   }
 }
 
-TEMPLATE_TEST_CASE("impulse at the threshold makes one event, whatever the dt", "[surface][tip]", float, double) {
+TEMPLATE_TEST_CASE("impulse at the threshold makes one event, whatever the dt", "[surface][tip]",
+                   float, double) {
   using T = TestType;
   for (double length : {1e-6, 1.2e-4, 3.0e-3})
     for (double share : {0.98, 1.0, 1.02}) {
       Trial<T> t(above(T(0.0001)));
       t.step(above(T(-0.00001)), T(0));
       T const step = T(length), force = min(T(share) * forces<T>().puncture, t.tip.cap);
-      auto const change = advance_tip(t.tip, above(T(-0.00002)), force * step, step, t.held.sheet(), t.held.columns(), cell<T>, forces<T>());
+      auto const change = advance_tip(t.tip, above(T(-0.00002)), force * step, step, t.held.sheet(),
+                                      t.held.columns(), cell<T>, forces<T>());
       REQUIRE((change.kind == EventKind::entry) == (share >= 1));
     }
 }
 
-TEMPLATE_TEST_CASE("exactly on the surface, sliding along it, and chattering through it: no event", "[surface][tip]", float, double) {
+TEMPLATE_TEST_CASE("exactly on the surface, sliding along it, and chattering through it: no event",
+                   "[surface][tip]", float, double) {
   using T = TestType;
   Trial<T> t(above(T(0)));
   for (int i = 0; i < 300; ++i) {
-    t.step(above(T(0)) + vec<T>(T(i) * T(0.00007), T(0), T(0)), T(0.02));  // through vertices, edges, diagonals
+    t.step(above(T(0)) + vec<T>(T(i) * T(0.00007), T(0), T(0)),
+           T(0.02));  // through vertices, edges, diagonals
     REQUIRE(t.tip.state == TipState::touch);
   }
   t.tip.position = above(T(0));
@@ -165,7 +176,8 @@ TEMPLATE_TEST_CASE("exactly on the surface, sliding along it, and chattering thr
   REQUIRE(t.entries == 0);
 }
 
-TEMPLATE_TEST_CASE("a tip that looks out and comes back makes no event", "[surface][tip]", float, double) {
+TEMPLATE_TEST_CASE("a tip that looks out and comes back makes no event", "[surface][tip]", float,
+                   double) {
   using T = TestType;
   Trial<T> t(above(T(0.0001)));
   t.step(above(T(-0.00001)), T(0));
@@ -191,23 +203,27 @@ TEMPLATE_TEST_CASE("a tip that looks out and comes back makes no event", "[surfa
   REQUIRE(t.last.position[1] == Approx(static_cast<double>(x[1])).epsilon(1e-5));
 }
 
-TEMPLATE_TEST_CASE("the sheet may come to the tip, and through it", "[surface][tip]", float, double) {
+TEMPLATE_TEST_CASE("the sheet may come to the tip, and through it", "[surface][tip]", float,
+                   double) {
   using T = TestType;
   Trial<T> t(above(T(0.00003)));
   t.step(above(T(0.00003)), T(0));
   REQUIRE(t.tip.state == TipState::outside);
   auto s = t.held.sheet();
-  for (std::int64_t i = 0; i < s.vertices; ++i) s.vertex.set(i, s.vertex(i) + vec<T>(T(0), T(0), T(0.00005)));
+  for (std::int64_t i = 0; i < s.vertices; ++i)
+    s.vertex.set(i, s.vertex(i) + vec<T>(T(0), T(0), T(0.00005)));
   t.step(above(T(0.00003)), T(0));
   REQUIRE(t.tip.state == TipState::touch);
   REQUIRE(t.tip.touch_point[2] == Approx(static_cast<double>(top<T>) + 0.00005).epsilon(1e-6));
   // And away again.
-  for (std::int64_t i = 0; i < s.vertices; ++i) s.vertex.set(i, s.vertex(i) - vec<T>(T(0), T(0), T(0.0004)));
+  for (std::int64_t i = 0; i < s.vertices; ++i)
+    s.vertex.set(i, s.vertex(i) - vec<T>(T(0), T(0), T(0.0004)));
   t.step(above(T(0.00003)), T(0));
   REQUIRE(t.tip.state == TipState::outside);
 }
 
-TEMPLATE_TEST_CASE("a dimple deeper than 1.5 cells sets its bit, before that nothing does", "[surface][tip]", float, double) {
+TEMPLATE_TEST_CASE("a dimple deeper than 1.5 cells sets its bit, before that nothing does",
+                   "[surface][tip]", float, double) {
   using T = TestType;
   Trial<T> t(above(T(0.00003)));
   t.step(above(T(-1e-6)), T(0));
@@ -222,7 +238,8 @@ TEMPLATE_TEST_CASE("a dimple deeper than 1.5 cells sets its bit, before that not
   REQUIRE(t.entries == 0);
 }
 
-TEMPLATE_TEST_CASE("a tip that sinks in without puncture, or jumps through the body, is reported", "[surface][tip]", float, double) {
+TEMPLATE_TEST_CASE("a tip that sinks in without puncture, or jumps through the body, is reported",
+                   "[surface][tip]", float, double) {
   using T = TestType;
   {
     Trial<T> t(above(T(0.00003)));
@@ -258,13 +275,15 @@ TEMPLATE_TEST_CASE("a tip that sinks in without puncture, or jumps through the b
 TEST_CASE("a NaN stops at the tip", "[surface][tip]") {
   Trial<double> t(above(0.001));
   auto const before = t.tip;
-  auto const change = advance_tip(t.tip, vec(0.0, std::nan(""), 0.0), 0.0, 1e-4, t.held.sheet(), t.held.columns(), 0.002, forces<double>());
+  auto const change = advance_tip(t.tip, vec(0.0, std::nan(""), 0.0), 0.0, 1e-4, t.held.sheet(),
+                                  t.held.columns(), 0.002, forces<double>());
   REQUIRE(change.faults == static_cast<std::uint32_t>(Fault::not_finite));
   REQUIRE(change.kind == EventKind::none);
   REQUIRE(t.tip.position == before.position);
 }
 
-TEMPLATE_TEST_CASE("all of the tip's memory is in fields: restored, it goes on to the same bits", "[surface][tip][state]", float, double) {
+TEMPLATE_TEST_CASE("all of the tip's memory is in fields: restored, it goes on to the same bits",
+                   "[surface][tip][state]", float, double) {
   using T = TestType;
   Table<T, Needles, tip::Memory> table(3, 1), saved(3, 1);
   Held<T> held = held_block<T>();
@@ -274,7 +293,8 @@ TEMPLATE_TEST_CASE("all of the tip's memory is in fields: restored, it goes on t
     std::vector<Vec3<T>> seen;
     for (int i = from; i < to; ++i) {
       auto tip = Tip<T>::load(table.view(), item);
-      auto const change = advance_tip(tip, way(i), i > 20 ? tip.cap * dt<T> : T(0), dt<T>, held.sheet(), held.columns(), cell<T>, forces<T>());
+      auto const change = advance_tip(tip, way(i), i > 20 ? tip.cap * dt<T> : T(0), dt<T>,
+                                      held.sheet(), held.columns(), cell<T>, forces<T>());
       tip.store(table.view(), item);
       seen.push_back(vec<T>(T(static_cast<int>(change.kind)), tip.cap, change.position[2]));
     }

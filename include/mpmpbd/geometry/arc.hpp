@@ -1,8 +1,8 @@
 // The needle's shape: a circular arc of wire with a pointed tip.
 //
-// Body frame: the arc's centre is the origin, the arc lies in the x-y plane and turns about +z. The tip
-// is at (radius, 0, 0) and the wire follows behind it, so that a positive turn about z drives it
-// forward. A point is named by its arc length s [m] from the tip, 0 to `length()`.
+// Body frame: the arc's centre is the origin, the arc lies in the x-y plane and turns about +z. The
+// tip is at (radius, 0, 0) and the wire follows behind it, so that a positive turn about z drives
+// it forward. A point is named by its arc length s [m] from the tip, 0 to `length()`.
 #pragma once
 
 #include <cstdint>
@@ -46,8 +46,8 @@ template <class T> struct Arc {
   MPMPBD_HD T distance(Vec3<T> const& x) const { return norm(x - point(nearest(x))); }
 };
 
-// Where along the arc the contact points are: from the tip to the blunt end at equal spacing, which is
-// dx/2...dx (for an arc shorter than dx/2: its two ends).
+// Where along the arc the contact points are: from the tip to the blunt end at equal spacing, which
+// is dx/2...dx (for an arc shorter than dx/2: its two ends).
 template <class T> struct ArcPoints {
   T length;
   int intervals;
@@ -64,7 +64,9 @@ template <class T> struct ArcPoints {
   // The last point is the blunt end itself, not a rounded neighbour of it.
   MPMPBD_HD constexpr T s(int i) const { return i == intervals ? length : T(i) * spacing(); }
   // Length of wire that point i stands for; the sum is the arc's length.
-  MPMPBD_HD constexpr T ds(int i) const { return (i == 0 || i == intervals ? T(0.5) : T(1)) * spacing(); }
+  MPMPBD_HD constexpr T ds(int i) const {
+    return (i == 0 || i == intervals ? T(0.5) : T(1)) * spacing();
+  }
 };
 
 // Refuses an arc that cannot be, by name, value and bound.
@@ -73,7 +75,8 @@ template <class T> void check_arc(Arc<T> const& arc, char const* owner = "Arc") 
   check_parameter(owner, bound::positive("radius", "m"), radius);
   check_parameter(owner, {"angle", "rad", 0.0, 2.0 * static_cast<double>(pi<T>), false, true},
                   static_cast<double>(arc.angle));
-  check_parameter(owner, {"wire_radius", "m", 0.0, radius, true, false}, static_cast<double>(arc.wire_radius));
+  check_parameter(owner, {"wire_radius", "m", 0.0, radius, true, false},
+                  static_cast<double>(arc.wire_radius));
   check_parameter(owner, {"taper", "m", 0.0, static_cast<double>(arc.length()), true, true},
                   static_cast<double>(arc.taper));
 }

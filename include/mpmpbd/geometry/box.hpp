@@ -37,10 +37,11 @@ template <class T> struct Box {
 template <class T> void check_box(Box<T> const& box, char const* owner = "Box") {
   for (int a = 0; a < 3; ++a) {
     if (is_finite(box.low[a]) && is_finite(box.high[a]) && box.high[a] > box.low[a]) continue;
-    throw std::invalid_argument("mpmpbd " + std::string(owner) + ": high[" + std::to_string(a) + "] = " +
-                                std::to_string(static_cast<double>(box.high[a])) + " m is not above low[" +
-                                std::to_string(a) + "] = " + std::to_string(static_cast<double>(box.low[a])) +
-                                " m; give two finite corners with positive extent along every axis");
+    throw std::invalid_argument(
+        "mpmpbd " + std::string(owner) + ": high[" + std::to_string(a) +
+        "] = " + std::to_string(static_cast<double>(box.high[a])) + " m is not above low[" +
+        std::to_string(a) + "] = " + std::to_string(static_cast<double>(box.low[a])) +
+        " m; give two finite corners with positive extent along every axis");
   }
 }
 

@@ -15,7 +15,8 @@ template <class T> struct OnPolyline {
 };
 
 // The nearest point of the segment a-b, as the weight of b. A segment of no length is its point a.
-template <class T> MPMPBD_HD T nearest_on_segment(Vec3<T> const& a, Vec3<T> const& b, Vec3<T> const& x) {
+template <class T>
+MPMPBD_HD T nearest_on_segment(Vec3<T> const& a, Vec3<T> const& b, Vec3<T> const& x) {
   Vec3<T> const e = b - a;
   T const square = dot(e, e);
   return square > T(0) ? clamp(dot(x - a, e) / square, T(0), T(1)) : T(0);
@@ -23,7 +24,8 @@ template <class T> MPMPBD_HD T nearest_on_segment(Vec3<T> const& a, Vec3<T> cons
 
 // The nearest point of a polyline of `count` points; of equally near pieces the first.
 template <class Points, class T>
-MPMPBD_HD OnPolyline<T> nearest_on_polyline(Points const& point, std::int64_t count, Vec3<T> const& x) {
+MPMPBD_HD OnPolyline<T> nearest_on_polyline(Points const& point, std::int64_t count,
+                                            Vec3<T> const& x) {
   OnPolyline<T> best{-1, T(0), T(0), Vec3<T>{}};
   if (count <= 0) return best;
   Vec3<T> a = point(std::int64_t{0});
@@ -39,7 +41,8 @@ MPMPBD_HD OnPolyline<T> nearest_on_polyline(Points const& point, std::int64_t co
   return best;
 }
 
-template <class T, class Points> MPMPBD_HD T polyline_length(Points const& point, std::int64_t count) {
+template <class T, class Points>
+MPMPBD_HD T polyline_length(Points const& point, std::int64_t count) {
   T length = T(0);
   for (std::int64_t i = 0; i + 1 < count; ++i) length += norm(point(i + 1) - point(i));
   return length;

@@ -28,8 +28,8 @@ template <class To, class T> MPMPBD_HD Pose<To> cast_pose(Pose<T> const& a) {
   return {cast<To>(a.position), quaternion::normalised(cast<To>(a.orientation))};
 }
 
-// The pose after dt of a constant twist: the origin goes straight, the body turns about it by exactly
-// dt |omega|. A body that turns about its own origin therefore never leaves its circle.
+// The pose after dt of a constant twist: the origin goes straight, the body turns about it by
+// exactly dt |omega|. A body that turns about its own origin therefore never leaves its circle.
 template <class T> MPMPBD_HD Pose<T> moved(Pose<T> const& pose, Twist<T> const& twist, T dt) {
   auto const turn = quaternion::from_rotation_vector(dt * twist.angular);
   return {pose.position + dt * twist.linear,
@@ -44,22 +44,24 @@ template <class T> MPMPBD_HD Twist<T> twist_between(Pose<T> const& from, Pose<T>
 
 // Velocity of the material point of the body that is at `world` now.
 template <class T>
-MPMPBD_HD constexpr Vec3<T> velocity_at(Pose<T> const& pose, Twist<T> const& twist, Vec3<T> const& world) {
+MPMPBD_HD constexpr Vec3<T> velocity_at(Pose<T> const& pose, Twist<T> const& twist,
+                                        Vec3<T> const& world) {
   return twist.linear + cross(twist.angular, world - pose.position);
 }
 
-// The same, averaged over a substep dt that starts at this pose: x(t + dt) = x(t) + dt * mean velocity
-// to rounding, so contact points leave no gap between substeps, however far the body turns.
-// (Turning about n by a: x1 - x0 = 2 sin(a/2) n x r at half the turn.)
+// The same, averaged over a substep dt that starts at this pose: x(t + dt) = x(t) + dt * mean
+// velocity to rounding, so contact points leave no gap between substeps, however far the body
+// turns. (Turning about n by a: x1 - x0 = 2 sin(a/2) n x r at half the turn.)
 template <class T> struct Sweep {
   Vec3<T> origin;
   Vec3<T> linear;
-  Vec3<T> angular;         // scaled by sinc(a / 2)
+  Vec3<T> angular;  // scaled by sinc(a / 2)
   Quaternion<T> half_turn;
 
   MPMPBD_HD static Sweep of(Pose<T> const& pose, Twist<T> const& twist, T dt) {
     T const half = T(0.5) * dt;
-    return {pose.position, twist.linear, quaternion::sinc(half * norm(twist.angular)) * twist.angular,
+    return {pose.position, twist.linear,
+            quaternion::sinc(half * norm(twist.angular)) * twist.angular,
             quaternion::from_rotation_vector(half * twist.angular)};
   }
   MPMPBD_HD Vec3<T> mean_velocity(Vec3<T> const& world) const {

@@ -12,7 +12,9 @@ template <class T> using Quaternion = Vec<T, 4>;
 
 namespace quaternion {
 
-template <class T> MPMPBD_HD constexpr Quaternion<T> identity() { return {{T(1), T(0), T(0), T(0)}}; }
+template <class T> MPMPBD_HD constexpr Quaternion<T> identity() {
+  return {{T(1), T(0), T(0), T(0)}};
+}
 
 template <class T> MPMPBD_HD constexpr Quaternion<T> conjugate(Quaternion<T> const& q) {
   return {{q[0], -q[1], -q[2], -q[3]}};
@@ -39,14 +41,15 @@ template <class T> MPMPBD_HD Quaternion<T> normalised(Quaternion<T> const& q) {
   return is_valid(q) ? T(1) / norm(q) * q : q;
 }
 
-// The length of q cancels: without the division its rounding would stretch v by about one ulp every time,
-// always the same way (measured: 6e4 ulp of angular momentum in 20,000 steps, 8e3 with it).
+// The length of q cancels: without the division its rounding would stretch v by about one ulp every
+// time, always the same way (measured: 6e4 ulp of angular momentum in 20,000 steps, 8e3 with it).
 template <class T> MPMPBD_HD constexpr Vec3<T> rotate(Quaternion<T> const& q, Vec3<T> const& v) {
   Vec3<T> const a = {{q[1], q[2], q[3]}};
   Vec3<T> const t = T(2) / dot(q, q) * cross(a, v);
   return v + (q[0] * t + cross(a, t));
 }
-template <class T> MPMPBD_HD constexpr Vec3<T> rotate_back(Quaternion<T> const& q, Vec3<T> const& v) {
+template <class T>
+MPMPBD_HD constexpr Vec3<T> rotate_back(Quaternion<T> const& q, Vec3<T> const& v) {
   return rotate(conjugate(q), v);
 }
 
@@ -73,14 +76,16 @@ template <class T> MPMPBD_HD Quaternion<T> from_axis_angle(Vec3<T> const& unit_a
   return from_rotation_vector(angle * unit_axis);
 }
 
-// The rotation vector of q, of length 0 to pi: the shorter of the two ways round, the same for q and -q.
+// The rotation vector of q, of length 0 to pi: the shorter of the two ways round, the same for q
+// and -q.
 template <class T> MPMPBD_HD Vec3<T> rotation_vector(Quaternion<T> const& q) {
   T const sign = q[0] < T(0) ? T(-1) : T(1);
   Vec3<T> const a = {{sign * q[1], sign * q[2], sign * q[3]}};
   T const sine = norm(a);
   T const cosine = sign * q[0];
   // At small angles 2 atan2(s, c) / s tends to 2 / c.
-  T const factor = sine > epsilon<T> * cosine ? T(2) * atan2(sine, cosine) / sine : T(2) / max(cosine, epsilon<T>);
+  T const factor = sine > epsilon<T> * cosine ? T(2) * atan2(sine, cosine) / sine
+                                              : T(2) / max(cosine, epsilon<T>);
   return factor * a;
 }
 
@@ -112,9 +117,10 @@ MPMPBD_HD Quaternion<T> from_axes(Vec3<T> const& x, Vec3<T> const& y, Vec3<T> co
 template <class T> Quaternion<T> checked(char const* owner, Quaternion<T> const& q) {
   if (is_valid(q)) return normalised(q);
   auto number = [&q](int i) { return std::to_string(static_cast<double>(q[i])); };
-  throw std::invalid_argument("mpmpbd " + std::string(owner) + ": orientation = (" + number(0) + ", " +
-                              number(1) + ", " + number(2) + ", " + number(3) +
-                              ") is not a rotation; give four finite numbers (w, x, y, z), not all zero");
+  throw std::invalid_argument(
+      "mpmpbd " + std::string(owner) + ": orientation = (" + number(0) + ", " + number(1) + ", " +
+      number(2) + ", " + number(3) +
+      ") is not a rotation; give four finite numbers (w, x, y, z), not all zero");
 }
 
 }  // namespace quaternion

@@ -14,7 +14,9 @@ template <class T> struct Triangle {
   MPMPBD_HD constexpr Vec3<T> area_normal() const { return cross(b - a, c - a); }
   MPMPBD_HD T area() const { return T(0.5) * norm(area_normal()); }
   // weights: of b and c; that of a is the rest.
-  MPMPBD_HD constexpr Vec3<T> at(Vec<T, 2> const& w) const { return a + w[0] * (b - a) + w[1] * (c - a); }
+  MPMPBD_HD constexpr Vec3<T> at(Vec<T, 2> const& w) const {
+    return a + w[0] * (b - a) + w[1] * (c - a);
+  }
 };
 
 enum class Feature : std::int64_t { face, edge, vertex };
@@ -26,7 +28,8 @@ template <class T> struct OnTriangle {
 
 // The nearest point of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5). A
 // triangle without area is treated as its edges.
-template <class T> MPMPBD_HD OnTriangle<T> nearest_on_triangle(Triangle<T> const& t, Vec3<T> const& p) {
+template <class T>
+MPMPBD_HD OnTriangle<T> nearest_on_triangle(Triangle<T> const& t, Vec3<T> const& p) {
   Vec3<T> const ab = t.b - t.a, ac = t.c - t.a;
   Vec3<T> const ap = p - t.a, bp = p - t.b, cp = p - t.c;
   T const d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
@@ -48,7 +51,8 @@ template <class T> MPMPBD_HD OnTriangle<T> nearest_on_triangle(Triangle<T> const
 }
 
 namespace detail {
-// The sign of a b - c d without rounding: in double for float, with the products' remainders for double.
+// The sign of a b - c d without rounding: in double for float, with the products' remainders for
+// double.
 MPMPBD_HD inline int sign_of_difference(float a, float b, float c, float d) {
   double const e = double(a) * double(b) - double(c) * double(d);
   return e > 0.0 ? 1 : (e < 0.0 ? -1 : 0);
@@ -61,11 +65,12 @@ MPMPBD_HD inline int sign_of_difference(double a, double b, double c, double d) 
 template <class T> MPMPBD_HD int sign_of(T a) { return a > T(0) ? 1 : (a < T(0) ? -1 : 0); }
 }  // namespace detail
 
-// A directed line, prepared for many triangles: the longest axis of the direction is z', and points are
-// sheared so that the line is the z' axis (Woop, Benthin, Wald, JCGT 2(1), 2013). A vertex gets the same
-// coordinates in every triangle that has it, and the side of an edge is decided without rounding; where
-// the line meets an edge or a vertex exactly, it counts as shifted by (e, e^2) for an endlessly small e
-// (Edelsbrunner and Muecke, ACM TOG 9(1), 1990). So a line through a closed sheet crosses each seam once.
+// A directed line, prepared for many triangles: the longest axis of the direction is z', and points
+// are sheared so that the line is the z' axis (Woop, Benthin, Wald, JCGT 2(1), 2013). A vertex gets
+// the same coordinates in every triangle that has it, and the side of an edge is decided without
+// rounding; where the line meets an edge or a vertex exactly, it counts as shifted by (e, e^2) for
+// an endlessly small e (Edelsbrunner and Muecke, ACM TOG 9(1), 1990). So a line through a closed
+// sheet crosses each seam once.
 template <class T> struct SheetLine {
   Vec3<T> origin;
   int kx, ky, kz;
@@ -112,9 +117,10 @@ MPMPBD_HD LineHit<T> cross_projected(Vec3<T> const& a, Vec3<T> const& b, Vec3<T>
   // Most triangles are clearly beside the line.
   LineHit<T> none{false, false, T(0), {{T(0), T(0)}}};
   for (int i = 0; i < 2; ++i)
-    if ((a[i] > T(0) && b[i] > T(0) && c[i] > T(0)) || (a[i] < T(0) && b[i] < T(0) && c[i] < T(0))) return none;
-  // On which side of the edge p -> q the origin lies. The tie-break is antisymmetric in p and q, so two
-  // triangles that share an edge agree about it.
+    if ((a[i] > T(0) && b[i] > T(0) && c[i] > T(0)) || (a[i] < T(0) && b[i] < T(0) && c[i] < T(0)))
+      return none;
+  // On which side of the edge p -> q the origin lies. The tie-break is antisymmetric in p and q, so
+  // two triangles that share an edge agree about it.
   auto side = [](Vec3<T> const& p, Vec3<T> const& q) {
     int s = detail::sign_of_difference(p[0], q[1], p[1], q[0]);
     if (s == 0) s = detail::sign_of(p[1] - q[1]);

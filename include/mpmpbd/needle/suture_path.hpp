@@ -1,8 +1,9 @@
 // The ideal way of an arc needle through tissue: in at one marker, round, out at the other.
 //
-// A needle that turns about its own centre follows itself and does not tear. The circle through both
-// markers with the needle's radius has its centre above the surface, so the shorter arc is in tissue.
-// (Reference system: markers at +-0.30 m, radius 0.32 m: centre 0.111 m above, 139 degrees, 0.209 m deep.)
+// A needle that turns about its own centre follows itself and does not tear. The circle through
+// both markers with the needle's radius has its centre above the surface, so the shorter arc is in
+// tissue. (Reference system: markers at +-0.30 m, radius 0.32 m: centre 0.111 m above, 139 degrees,
+// 0.209 m deep.)
 #pragma once
 
 #include <mpmpbd/geometry/arc.hpp>
@@ -20,7 +21,8 @@ struct SuturePath {
   double angle;              // in tissue [rad]
   double depth;              // of the deepest point below the line between the markers [m]
 
-  static SuturePath between(Vec3<double> const& entry, Vec3<double> const& exit, Vec3<double> const& outward, double radius) {
+  static SuturePath between(Vec3<double> const& entry, Vec3<double> const& exit,
+                            Vec3<double> const& outward, double radius) {
     Vec3<double> const chord = exit - entry;
     double const half = 0.5 * norm(chord);
     check_parameter("SuturePath", bound::positive("half the marker distance", "m"), half);
@@ -28,7 +30,8 @@ struct SuturePath {
     Vec3<double> const along = direction(chord);
     Vec3<double> const across = outward - dot(outward, along) * along;
     if (!(norm(across) > 1e-6 * norm(outward)))
-      throw std::invalid_argument("mpmpbd SuturePath: the outward direction is along the line between the markers; give the normal of the surface");
+      throw std::invalid_argument(
+          "mpmpbd SuturePath: the outward direction is along the line between the markers; give the normal of the surface");
     SuturePath p{};
     p.entry = entry;
     p.exit = exit;
@@ -42,8 +45,8 @@ struct SuturePath {
     return p;
   }
 
-  // The smallest shift of the centre after which the needle's circle goes through `marker` [m]: for a
-  // marker that has moved with the tissue while the needle drives.
+  // The smallest shift of the centre after which the needle's circle goes through `marker` [m]: for
+  // a marker that has moved with the tissue while the needle drives.
   MPMPBD_HD Vec3<double> offset_to(Vec3<double> const& marker) const {
     Vec3<double> const e = marker - centre;
     double const across = dot(e, axis);
@@ -62,30 +65,37 @@ struct SuturePath {
 
 // How the scripted hand sews along a path.
 struct SutureMotion {
-  double approach = 0.35;       // the tip starts this far before the entry marker [rad]
-  double out = 0.52;            // the tip has left the exit marker by this much when driving ends [rad]
-  double clear = 0.17;          // the blunt end has left it by this much when the needle is free [rad]
-  double drive_time = 6.0;      // [s]
-  double pull_time = 4.0;       // turning the needle out and pulling the thread after it [s]
-  Vec3<double> pull{};          // shift of the free needle, which pulls the thread [m]; may be zero
+  double approach = 0.35;   // the tip starts this far before the entry marker [rad]
+  double out = 0.52;        // the tip has left the exit marker by this much when driving ends [rad]
+  double clear = 0.17;      // the blunt end has left it by this much when the needle is free [rad]
+  double drive_time = 6.0;  // [s]
+  double pull_time = 4.0;   // turning the needle out and pulling the thread after it [s]
+  Vec3<double> pull{};      // shift of the free needle, which pulls the thread [m]; may be zero
   double ramp = Script::default_ramp;
 };
 
-// Drive, turn out, pull. The pull time is shared so that both of its moves have the same mean speed.
-inline Script suture_script(SuturePath const& path, Arc<double> const& arc, SutureMotion const& how = {}) {
+// Drive, turn out, pull. The pull time is shared so that both of its moves have the same mean
+// speed.
+inline Script suture_script(SuturePath const& path, Arc<double> const& arc,
+                            SutureMotion const& how = {}) {
   check_arc(arc, "suture_script");
   double const pi_ = pi<double>;
-  check_parameter("suture_script", {"radius", "m", path.radius * (1.0 - 1e-6), path.radius * (1.0 + 1e-6)}, arc.radius);
-  // Before the start neither end is in tissue: the whole needle fits into the free part of the circle.
+  check_parameter("suture_script",
+                  {"radius", "m", path.radius * (1.0 - 1e-6), path.radius * (1.0 + 1e-6)},
+                  arc.radius);
+  // Before the start neither end is in tissue: the whole needle fits into the free part of the
+  // circle.
   double const room = 2.0 * pi_ - path.angle - arc.angle;
-  check_parameter("suture_script", {"free angle beside the needle", "rad", 0.0, bound::none, false, false}, room);
+  check_parameter("suture_script",
+                  {"free angle beside the needle", "rad", 0.0, bound::none, false, false}, room);
   check_parameter("suture_script", {"approach", "rad", 0.0, room, true, false}, how.approach);
   check_parameter("suture_script", {"clear", "rad", 0.0, room, true, false}, how.clear);
   check_parameter("suture_script", {"out", "rad", 0.0, arc.angle}, how.out);
   double const rest = arc.angle - how.out + how.clear;
   double const turned = rest * path.radius, pulled = norm(how.pull);
   Script script = Script::at(path.pose(-how.approach));
-  script.turn(path.centre, path.axis, how.approach + path.angle + how.out, how.drive_time, how.ramp);
+  script.turn(path.centre, path.axis, how.approach + path.angle + how.out, how.drive_time,
+              how.ramp);
   double const share = turned / (turned + pulled);
   script.turn(path.centre, path.axis, rest, share * how.pull_time, how.ramp);
   if (pulled > 0.0) script.shift(how.pull, (1.0 - share) * how.pull_time, how.ramp);

@@ -1,8 +1,9 @@
 // Channels: the cuts that needle tips have left in tissue, and which points are in them.
 //
-// A point of needle or thread is coupled to tissue (a member) only if it followed the tip through a mouth
-// of a channel. Any other point that meets the surface lies on it. So a thread on the skin is not glued to
-// it, and nothing sinks in without a puncture. Channels are state: saved, reset and cloned.
+// A point of needle or thread is coupled to tissue (a member) only if it followed the tip through a
+// mouth of a channel. Any other point that meets the surface lies on it. So a thread on the skin is
+// not glued to it, and nothing sinks in without a puncture. Channels are state: saved, reset and
+// cloned.
 #pragma once
 
 #include <mpmpbd/coupling/contact_law.hpp>
@@ -11,16 +12,22 @@
 
 namespace mpmpbd {
 
-struct Channels { static constexpr FixedString name = "channel"; };
-struct ChannelPoints { static constexpr FixedString name = "channel point"; };
+struct Channels {
+  static constexpr FixedString name = "channel";
+};
+struct ChannelPoints {
+  static constexpr FixedString name = "channel point";
+};
 
 namespace channel {
-struct Needle : Field<"needle", "1", Integer, Channels> {};              // number of the needle + 1; 0: not in use
-struct Mouths : Field<"mouths", "1", Integer, Channels> {};              // 1: entry; 2: entry and exit
+struct Needle : Field<"needle", "1", Integer, Channels> {
+};  // number of the needle + 1; 0: not in use
+struct Mouths : Field<"mouths", "1", Integer, Channels> {};  // 1: entry; 2: entry and exit
 struct MouthTriangles : Field<"triangles", "1", Integers<2>, Channels> {};
 struct MouthWeights : Field<"weights", "1", Numbers<4>, Channels> {};
-struct Points : Field<"points", "1", Integer, Channels> {};              // of the track
-struct Position : Field<"x", "m", Vector, ChannelPoints> {};             // the track: where the tip went, as tracers
+struct Points : Field<"points", "1", Integer, Channels> {};  // of the track
+struct Position : Field<"x", "m", Vector, ChannelPoints> {
+};  // the track: where the tip went, as tracers
 
 // Whether a point (of any domain) is in a channel. State: it is how a point "followed".
 template <class Domain> struct Member : Field<"member", "1", Integer, Domain> {};
@@ -30,9 +37,10 @@ using PointState = Fields<Position>;
 }  // namespace channel
 
 struct ChannelLimits {
-  static constexpr double coverage = 0.25;    // theta below which a point is not in tissue
-  static constexpr double mouth = 0.5;        // how close to a mouth a point passes through it [cells]
-  static constexpr double track = 0.5;        // how close to the track a point follows its neighbour [cells]
+  static constexpr double coverage = 0.25;  // theta below which a point is not in tissue
+  static constexpr double mouth = 0.5;  // how close to a mouth a point passes through it [cells]
+  static constexpr double track =
+      0.5;  // how close to the track a point follows its neighbour [cells]
   static constexpr double spacing = 0.5;      // of track points [cells]
   static constexpr double penetration = 0.5;  // of a point that is not a member [cells]
 };
@@ -51,13 +59,21 @@ template <class View, class PointView> struct ChannelSet {
     return env * points.capacity + c * per_channel() + i;
   }
 
-  MPMPBD_HD bool in_use(std::int64_t c) const { return view.template get<channel::Needle>(item(c)) != 0; }
+  MPMPBD_HD bool in_use(std::int64_t c) const {
+    return view.template get<channel::Needle>(item(c)) != 0;
+  }
   MPMPBD_HD bool belongs_to(std::int64_t c, std::int64_t needle) const {
     return view.template get<channel::Needle>(item(c)) == needle + 1;
   }
-  MPMPBD_HD std::int64_t mouths(std::int64_t c) const { return view.template get<channel::Mouths>(item(c)); }
-  MPMPBD_HD std::int64_t track_points(std::int64_t c) const { return view.template get<channel::Points>(item(c)); }
-  MPMPBD_HD Vec3<T> track(std::int64_t c, std::int64_t i) const { return points.template get<channel::Position>(point_item(c, i)); }
+  MPMPBD_HD std::int64_t mouths(std::int64_t c) const {
+    return view.template get<channel::Mouths>(item(c));
+  }
+  MPMPBD_HD std::int64_t track_points(std::int64_t c) const {
+    return view.template get<channel::Points>(item(c));
+  }
+  MPMPBD_HD Vec3<T> track(std::int64_t c, std::int64_t i) const {
+    return points.template get<channel::Position>(point_item(c, i));
+  }
 
   MPMPBD_HD SurfaceMark<T> mouth(std::int64_t c, int m) const {
     auto const w = view.template get<channel::MouthWeights>(item(c));
@@ -88,7 +104,8 @@ template <class View, class PointView> struct ChannelSet {
       view.template set<channel::MouthTriangles>(item(c), {});
       view.template set<channel::MouthWeights>(item(c), {});
       view.template set<channel::Points>(item(c), 0);
-      for (std::int64_t i = 0; i < per_channel(); ++i) points.template set<channel::Position>(point_item(c, i), {});
+      for (std::int64_t i = 0; i < per_channel(); ++i)
+        points.template set<channel::Position>(point_item(c, i), {});
     }
   }
 
@@ -102,7 +119,8 @@ template <class View, class PointView> struct ChannelSet {
   }
 
   // The tip has punctured the surface at `mark`, which is at x now. Slots are given out in order.
-  MPMPBD_HD std::uint32_t open(std::int64_t needle, SurfaceMark<T> const& mark, Vec3<T> const& x) const {
+  MPMPBD_HD std::uint32_t open(std::int64_t needle, SurfaceMark<T> const& mark,
+                               Vec3<T> const& x) const {
     std::int64_t c = 0;
     while (c < capacity() && in_use(c)) ++c;
     if (c == capacity()) return static_cast<std::uint32_t>(Fault::overflow);
@@ -111,14 +129,18 @@ template <class View, class PointView> struct ChannelSet {
     set_mouth(c, 0, mark);
     return append(c, x);
   }
-  // The tip is in tissue at x: the track goes on when the tip is in new tissue, not when it draws back.
+  // The tip is in tissue at x: the track goes on when the tip is in new tissue, not when it draws
+  // back.
   MPMPBD_HD std::uint32_t extend(std::int64_t needle, Vec3<T> const& x, T dx) const {
     std::int64_t const c = latest(needle);
-    if (c < 0 || mouths(c) > 1 || distance_to_track(c, x) < T(ChannelLimits::spacing) * dx) return 0u;
+    if (c < 0 || mouths(c) > 1 || distance_to_track(c, x) < T(ChannelLimits::spacing) * dx)
+      return 0u;
     return append(c, x);
   }
-  // The tip has left the tissue at `mark`. Through the mouth by which it came in, it only drew back.
-  MPMPBD_HD std::uint32_t close(std::int64_t needle, SurfaceMark<T> const& mark, Vec3<T> const& x, Vec3<T> const& entry, T dx) const {
+  // The tip has left the tissue at `mark`. Through the mouth by which it came in, it only drew
+  // back.
+  MPMPBD_HD std::uint32_t close(std::int64_t needle, SurfaceMark<T> const& mark, Vec3<T> const& x,
+                                Vec3<T> const& entry, T dx) const {
     std::int64_t const c = latest(needle);
     if (c < 0 || mouths(c) > 1 || norm(x - entry) < T(ChannelLimits::mouth) * dx) return 0u;
     set_mouth(c, 1, mark);
@@ -134,7 +156,8 @@ template <class View, class PointView> struct ChannelSet {
       if (belongs_to(c, needle) && distance_to_track(c, x) <= reach) return true;
     return false;
   }
-  template <class S> MPMPBD_HD bool near_mouth(std::int64_t needle, S const& sheet, Vec3<T> const& x, T reach) const {
+  template <class S>
+  MPMPBD_HD bool near_mouth(std::int64_t needle, S const& sheet, Vec3<T> const& x, T reach) const {
     for (std::int64_t c = 0; c < capacity(); ++c)
       for (int m = 0; belongs_to(c, needle) && m < static_cast<int>(mouths(c)); ++m)
         if (norm(x - position(sheet, mouth(c, m))) <= reach) return true;
@@ -151,17 +174,22 @@ template <class View, class PointView> struct ChannelSet {
   }
 };
 template <class View, class PointView>
-MPMPBD_HD ChannelSet<View, PointView> channel_set(View const& view, PointView const& points, std::int64_t env) {
+MPMPBD_HD ChannelSet<View, PointView> channel_set(View const& view, PointView const& points,
+                                                  std::int64_t env) {
   return {view, points, env};
 }
 
-// What an event of the tip does to the channels; call it after advance_tip with the sheet as it is then.
+// What an event of the tip does to the channels; call it after advance_tip with the sheet as it is
+// then.
 template <class Set, class S, class T>
-MPMPBD_HD std::uint32_t advance_channel(Set const& set, std::int64_t needle, Tip<T> const& tip, TipChange<T> const& change, S const& sheet, T dx) {
+MPMPBD_HD std::uint32_t advance_channel(Set const& set, std::int64_t needle, Tip<T> const& tip,
+                                        TipChange<T> const& change, S const& sheet, T dx) {
   if (change.kind == EventKind::entry) return set.open(needle, change.mark, change.position);
   if (change.kind == EventKind::exit) {
     std::int64_t const c = set.latest(needle);
-    return c < 0 ? 0u : set.close(needle, change.mark, change.position, position(sheet, set.mouth(c, 0)), dx);
+    return c < 0 ? 0u
+                 : set.close(needle, change.mark, change.position, position(sheet, set.mouth(c, 0)),
+                             dx);
   }
   // While it looks out of the tissue (its mark is set) there is no track to lay.
   bool const in_tissue = tip.state == TipState::inside && tip.mark.triangle < 0;
@@ -170,20 +198,21 @@ MPMPBD_HD std::uint32_t advance_channel(Set const& set, std::int64_t needle, Tip
 
 // Whether a point is a member now. `follows`: its neighbour towards the needle's tip is one.
 //
-// A neighbour is followed only along the track: otherwise a thread that lies on the surface beside a mouth
-// would become a member point by point.
+// A neighbour is followed only along the track: otherwise a thread that lies on the surface beside
+// a mouth would become a member point by point.
 template <class Set, class S, class T>
-MPMPBD_HD bool is_member(Set const& set, std::int64_t needle, S const& sheet, Vec3<T> const& x, T coverage, bool was_member,
-                         bool follows, T dx) {
+MPMPBD_HD bool is_member(Set const& set, std::int64_t needle, S const& sheet, Vec3<T> const& x,
+                         T coverage, bool was_member, bool follows, T dx) {
   if (!(coverage >= T(ChannelLimits::coverage))) return false;
   return was_member || set.near_mouth(needle, sheet, x, T(ChannelLimits::mouth) * dx) ||
          (follows && set.near_track(needle, x, T(ChannelLimits::track) * dx));
 }
 
-// What a point that is not a member does: nothing, or it lies on the surface. Sets `contact` and, on the
-// surface, `axis` (the inward normal). Returns Fault::penetration when it is too deep.
+// What a point that is not a member does: nothing, or it lies on the surface. Sets `contact` and,
+// on the surface, `axis` (the inward normal). Returns Fault::penetration when it is too deep.
 template <class Set, class S, class C, class T>
-MPMPBD_HD std::uint32_t meet_surface(ContactPoint<T>& point, Set const& set, std::int64_t needle, S const& sheet, C const& columns, T dx) {
+MPMPBD_HD std::uint32_t meet_surface(ContactPoint<T>& point, Set const& set, std::int64_t needle,
+                                     S const& sheet, C const& columns, T dx) {
   point.contact = Contact::off;
   if (!(point.coverage > T(0)) || !is_inside(sheet, columns, point.position)) return 0u;
   auto const surface = nearest_on_sheet(sheet, columns, point.position, dx);
@@ -197,15 +226,17 @@ MPMPBD_HD std::uint32_t meet_surface(ContactPoint<T>& point, Set const& set, std
   return deep ? static_cast<std::uint32_t>(Fault::penetration) : 0u;
 }
 
-// A line of points in the order of the exchange: `gauss` points of the thread (its last bead is at the
-// needle), then of the needle the tip's axial point and the points along the wire from tip to blunt end.
-// Position, axis (tangent) and coverage are set; contact, and the axis of surface points, are set here.
-// `member(q)` is the stored flag of point q. `swaged`: the thread follows this needle.
+// A line of points in the order of the exchange: `gauss` points of the thread (its last bead is at
+// the needle), then of the needle the tip's axial point and the points along the wire from tip to
+// blunt end. Position, axis (tangent) and coverage are set; contact, and the axis of surface
+// points, are set here. `member(q)` is the stored flag of point q. `swaged`: the thread follows
+// this needle.
 //
 // First the flags, one after the other from the tip to the thread's far end ...
 template <class Members, class Set, class S, class T>
-MPMPBD_HD void update_members(ContactPoint<T>* points, int gauss, int needle_points, bool swaged, Members const& member, Tip<T> const& tip,
-                              Set const& set, std::int64_t needle, S const& sheet, T dx) {
+MPMPBD_HD void update_members(ContactPoint<T>* points, int gauss, int needle_points, bool swaged,
+                              Members const& member, Tip<T> const& tip, Set const& set,
+                              std::int64_t needle, S const& sheet, T dx) {
   if (needle_points > 0) {
     ContactPoint<T>& axial = points[gauss];
     axial.contact = tip.state == TipState::outside ? Contact::off : Contact::tip;
@@ -224,15 +255,19 @@ MPMPBD_HD void update_members(ContactPoint<T>* points, int gauss, int needle_poi
     visit(q, first && tip.state == TipState::inside
                  ? p.coverage >= T(ChannelLimits::coverage)
                  : !(first && tip.state == TipState::touch) &&
-                       is_member(set, needle, sheet, p.position, p.coverage, member(q) != 0, follows, dx));
+                       is_member(set, needle, sheet, p.position, p.coverage, member(q) != 0,
+                                 follows, dx));
   }
   follows = follows && swaged;
   for (int q = gauss - 1; q >= 0; --q)
-    visit(q, is_member(set, needle, sheet, points[q].position, points[q].coverage, member(q) != 0, follows, dx));
+    visit(q, is_member(set, needle, sheet, points[q].position, points[q].coverage, member(q) != 0,
+                       follows, dx));
 }
-// ... then every other point by itself (any order, in parallel). The tip's points belong to its state.
+// ... then every other point by itself (any order, in parallel). The tip's points belong to its
+// state.
 template <class Set, class S, class C, class T>
-MPMPBD_HD std::uint32_t settle_point(ContactPoint<T>* points, int q, int gauss, Set const& set, std::int64_t needle, S const& sheet, C const& columns, T dx) {
+MPMPBD_HD std::uint32_t settle_point(ContactPoint<T>* points, int q, int gauss, Set const& set,
+                                     std::int64_t needle, S const& sheet, C const& columns, T dx) {
   bool const of_tip = q == gauss || q == gauss + 1;
   if (of_tip || points[q].contact == Contact::member) return 0u;
   return meet_surface(points[q], set, needle, sheet, columns, dx);

@@ -1,8 +1,10 @@
-// Which triangles are near a point: square columns along z, each with a list of the triangles over it.
+// Which triangles are near a point: square columns along z, each with a list of the triangles over
+// it.
 //
-// Scratch, rebuilt when the sheet has moved by `margin` (a substep moves it by much less than a cell, so
-// once per step is enough); serial and in triangle order, so the lists never depend on a race. A column
-// holds each of its triangles once, which is what counting the crossings of a vertical ray needs.
+// Scratch, rebuilt when the sheet has moved by `margin` (a substep moves it by much less than a
+// cell, so once per step is enough); serial and in triangle order, so the lists never depend on a
+// race. A column holds each of its triangles once, which is what counting the crossings of a
+// vertical ray needs.
 #pragma once
 
 #include <mpmpbd/core/status.hpp>
@@ -10,20 +12,25 @@
 
 namespace mpmpbd {
 
-struct SheetColumns { static constexpr FixedString name = "sheet column"; };
-struct SheetItems { static constexpr FixedString name = "sheet item"; };
+struct SheetColumns {
+  static constexpr FixedString name = "sheet column";
+};
+struct SheetItems {
+  static constexpr FixedString name = "sheet item";
+};
 
 namespace sheet {
-struct First : Field<"first", "1", Integer, SheetColumns> {};   // first item of a column; one more at the end
-struct Item : Field<"item", "1", Integer, SheetItems> {};       // a triangle
+struct First : Field<"first", "1", Integer, SheetColumns> {
+};  // first item of a column; one more at the end
+struct Item : Field<"item", "1", Integer, SheetItems> {};  // a triangle
 }  // namespace sheet
 
 template <class T, class Firsts, class Items> struct Columns {
-  Vec<T, 2> origin;   // low corner [m]
-  T inverse_width;    // of a column [1/m]
+  Vec<T, 2> origin;  // low corner [m]
+  T inverse_width;   // of a column [1/m]
   int count[2];
-  T margin;           // how far vertices may move before the lists are rebuilt [m]
-  Firsts first;       // count[0] * count[1] + 1 entries
+  T margin;      // how far vertices may move before the lists are rebuilt [m]
+  Firsts first;  // count[0] * count[1] + 1 entries
   Items item;
   std::int64_t capacity;  // of items
 
@@ -33,13 +40,16 @@ template <class T, class Firsts, class Items> struct Columns {
     if (!(c > T(0))) return 0;
     return c < T(count[axis]) ? static_cast<int>(c) : count[axis] - 1;
   }
-  MPMPBD_HD std::int64_t index(int i, int j) const { return i + static_cast<std::int64_t>(count[0]) * j; }
+  MPMPBD_HD std::int64_t index(int i, int j) const {
+    return i + static_cast<std::int64_t>(count[0]) * j;
+  }
   MPMPBD_HD std::int64_t columns() const { return static_cast<std::int64_t>(count[0]) * count[1]; }
 
-  // Calls f(triangle) for the triangles of all columns that the rectangle [low, high] touches, column by
-  // column; one that lies over several columns comes several times.
+  // Calls f(triangle) for the triangles of all columns that the rectangle [low, high] touches,
+  // column by column; one that lies over several columns comes several times.
   template <class F> MPMPBD_HD void for_each(Vec3<T> const& low, Vec3<T> const& high, F&& f) const {
-    int const i0 = column(0, low[0]), i1 = column(0, high[0]), j0 = column(1, low[1]), j1 = column(1, high[1]);
+    int const i0 = column(0, low[0]), i1 = column(0, high[0]), j0 = column(1, low[1]),
+              j1 = column(1, high[1]);
     for (int j = j0; j <= j1; ++j)
       for (int i = i0; i <= i1; ++i) {
         std::int64_t const c = index(i, j);
@@ -48,14 +58,16 @@ template <class T, class Firsts, class Items> struct Columns {
       }
   }
 
-  // Builds the lists; returns Fault::overflow when they do not fit (the triangles left out are then not
-  // seen, so the environment's results are not to be used).
+  // Builds the lists; returns Fault::overflow when they do not fit (the triangles left out are then
+  // not seen, so the environment's results are not to be used).
   template <class S> MPMPBD_HD std::uint32_t build(S const& sheet) const {
     std::int64_t const n = columns();
     for (std::int64_t c = 0; c <= n; ++c) first.set(c, 0);
-    for_each_overlap(sheet, [&](std::int64_t c, std::int64_t) { first.set(c + 1, first(c + 1) + 1); });
+    for_each_overlap(sheet,
+                     [&](std::int64_t c, std::int64_t) { first.set(c + 1, first(c + 1) + 1); });
     for (std::int64_t c = 0; c < n; ++c) first.set(c + 1, first(c + 1) + first(c));
-    std::uint32_t const faults = first(n) > capacity ? static_cast<std::uint32_t>(Fault::overflow) : 0u;
+    std::uint32_t const faults =
+        first(n) > capacity ? static_cast<std::uint32_t>(Fault::overflow) : 0u;
     // Fill with `first` as the cursor of each column, then move it back by one column.
     for_each_overlap(sheet, [&](std::int64_t c, std::int64_t k) {
       std::int64_t const at = first(c);
@@ -83,8 +95,9 @@ template <class T, class Firsts, class Items> struct Columns {
 };
 
 template <class T, class Firsts, class Items>
-MPMPBD_HD Columns<T, Firsts, Items> make_columns(Vec<T, 2> const& origin, T width, int nx, int ny, T margin,
-                                                 Firsts const& first, Items const& item, std::int64_t capacity) {
+MPMPBD_HD Columns<T, Firsts, Items> make_columns(Vec<T, 2> const& origin, T width, int nx, int ny,
+                                                 T margin, Firsts const& first, Items const& item,
+                                                 std::int64_t capacity) {
   return {origin, T(1) / width, {nx, ny}, margin, first, item, capacity};
 }
 

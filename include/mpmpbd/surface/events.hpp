@@ -6,20 +6,23 @@
 
 namespace mpmpbd {
 
-struct Events { static constexpr FixedString name = "event"; };
+struct Events {
+  static constexpr FixedString name = "event";
+};
 
 enum class EventKind : std::int64_t { none, entry, exit };
 
 namespace event {
-struct Kind : Field<"kind", "1", Integer, Events> {};          // EventKind
+struct Kind : Field<"kind", "1", Integer, Events> {};  // EventKind
 struct Needle : Field<"needle", "1", Integer, Events> {};
 struct Triangle : Field<"triangle", "1", Integer, Events> {};
 struct Weights : Field<"weights", "1", Numbers<2>, Events> {};
-struct Position : Field<"x", "m", Vector, Events> {};          // when it happened
+struct Position : Field<"x", "m", Vector, Events> {};  // when it happened
 struct Step : Field<"step", "1", Integer, Events> {};
 struct Time : Field<"time", "s", Number, Events> {};
-struct Force : Field<"force", "N", Number, Events> {};         // axial force on the tip in that substep
-struct Miss : Field<"miss", "m", Number, Events> {};           // distance to the marker in the deformed state
+struct Force : Field<"force", "N", Number, Events> {};  // axial force on the tip in that substep
+struct Miss : Field<"miss", "m", Number, Events> {
+};  // distance to the marker in the deformed state
 struct Count : Field<"events", "1", Integer, Environments> {};
 
 using State = Fields<Kind, Needle, Triangle, Weights, Position, Step, Time, Force, Miss>;
@@ -75,7 +78,9 @@ template <class View, class EnvironmentView> struct EventLog {
   }
 };
 template <class View, class EnvironmentView>
-MPMPBD_HD EventLog<View, EnvironmentView> event_log(View const& view, EnvironmentView const& environments, std::int64_t env) {
+MPMPBD_HD EventLog<View, EnvironmentView> event_log(View const& view,
+                                                    EnvironmentView const& environments,
+                                                    std::int64_t env) {
   return {view, environments, env};
 }
 

@@ -5,7 +5,9 @@
 
 namespace mpmpbd {
 
-struct Markers { static constexpr FixedString name = "marker"; };
+struct Markers {
+  static constexpr FixedString name = "marker";
+};
 
 namespace marker {
 struct Triangle : Field<"triangle", "1", Integer, Markers> {};
@@ -14,9 +16,11 @@ struct Weights : Field<"weights", "1", Numbers<2>, Markers> {};  // of the secon
 using State = Fields<Triangle, Weights>;
 
 template <class View> MPMPBD_HD auto load(View const& view, std::int64_t item) {
-  return SurfaceMark<typename View::Scalar>{view.template get<Triangle>(item), view.template get<Weights>(item)};
+  return SurfaceMark<typename View::Scalar>{view.template get<Triangle>(item),
+                                            view.template get<Weights>(item)};
 }
-template <class View, class T> MPMPBD_HD void store(View const& view, std::int64_t item, SurfaceMark<T> const& mark) {
+template <class View, class T>
+MPMPBD_HD void store(View const& view, std::int64_t item, SurfaceMark<T> const& mark) {
   view.template set<Triangle>(item, mark.triangle);
   view.template set<Weights>(item, mark.weights);
 }

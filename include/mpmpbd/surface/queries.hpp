@@ -1,13 +1,15 @@
-// Questions to the sheet: is a point inside, how far is the surface, where does a path go through it.
+// Questions to the sheet: is a point inside, how far is the surface, where does a path go through
+// it.
 #pragma once
 
 #include <mpmpbd/surface/columns.hpp>
 
 namespace mpmpbd {
 
-// Whether x is inside the closed sheet: the parity of the crossings of the ray from x along +z. A ray
-// through edges and vertices counts each once. A point exactly on the sheet may be either.
-template <class S, class C, class T> MPMPBD_HD bool is_inside(S const& sheet, C const& columns, Vec3<T> const& x) {
+// Whether x is inside the closed sheet: the parity of the crossings of the ray from x along +z. A
+// ray through edges and vertices counts each once. A point exactly on the sheet may be either.
+template <class S, class C, class T>
+MPMPBD_HD bool is_inside(S const& sheet, C const& columns, Vec3<T> const& x) {
   auto const line = SheetLine<T>::along(x, 2);
   int crossings = 0;
   columns.for_each(x, x, [&](std::int64_t k) {
@@ -19,7 +21,7 @@ template <class S, class C, class T> MPMPBD_HD bool is_inside(S const& sheet, C 
 }
 
 template <class T> struct SurfacePoint {
-  bool found;           // within reach
+  bool found;  // within reach
   bool inside;
   T distance;           // to the surface, negative inside [m]; +-reach when not found
   SurfaceMark<T> mark;  // the nearest material point of the surface
@@ -27,16 +29,19 @@ template <class T> struct SurfacePoint {
   Vec3<T> normal;       // unit, outwards
 };
 
-// The nearest point of the surface, looked for up to `reach`; of equally near triangles the lowest number.
+// The nearest point of the surface, looked for up to `reach`; of equally near triangles the lowest
+// number.
 template <class S, class C, class T>
-MPMPBD_HD SurfacePoint<T> nearest_on_sheet(S const& sheet, C const& columns, Vec3<T> const& x, T reach) {
+MPMPBD_HD SurfacePoint<T> nearest_on_sheet(S const& sheet, C const& columns, Vec3<T> const& x,
+                                           T reach) {
   std::int64_t best = -1;
   OnTriangle<T> on{};
   T distance = reach;
   auto look = [&](std::int64_t k) {
     auto const t = sheet.triangle(k);
     for (int a = 0; a < 3; ++a) {  // the box around the triangle is already too far
-      T const gap = max(min(t.a[a], min(t.b[a], t.c[a])) - x[a], x[a] - max(t.a[a], max(t.b[a], t.c[a])));
+      T const gap =
+          max(min(t.a[a], min(t.b[a], t.c[a])) - x[a], x[a] - max(t.a[a], max(t.b[a], t.c[a])));
       if (gap > distance) return;
     }
     auto const here = nearest_on_triangle(t, x);
@@ -69,21 +74,22 @@ MPMPBD_HD SurfacePoint<T> nearest_on_sheet(S const& sheet, C const& columns, Vec
 }
 
 template <class T> struct Crossing {
-  T share;              // of the path, (0, 1]
-  bool leaving;         // from inside to outside
+  T share;       // of the path, (0, 1]
+  bool leaving;  // from inside to outside
   SurfaceMark<T> mark;
 };
 
 template <class T, int Capacity> struct Crossings {
   int count;
-  bool more;            // than `Capacity`; the first ones are kept
+  bool more;  // than `Capacity`; the first ones are kept
   Crossing<T> list[Capacity];
 };
 
 namespace detail {
-// In and out must come in turn. Where a path meets two faces at the same place (it grazes an edge or a
-// corner), rounding may have put them in the wrong order.
-template <class T, int Capacity> MPMPBD_HD void put_in_turn(Crossings<T, Capacity>& found, bool inside) {
+// In and out must come in turn. Where a path meets two faces at the same place (it grazes an edge
+// or a corner), rounding may have put them in the wrong order.
+template <class T, int Capacity>
+MPMPBD_HD void put_in_turn(Crossings<T, Capacity>& found, bool inside) {
   for (int i = 0; i < found.count; ++i) {
     int j = i;
     while (j < found.count && found.list[j].leaving != inside) ++j;
@@ -96,10 +102,11 @@ template <class T, int Capacity> MPMPBD_HD void put_in_turn(Crossings<T, Capacit
 }
 }  // namespace detail
 
-// Where the path from p to q goes through the sheet, in order, in and out in turn. The end belongs to the
-// path, the start does not. A way through an edge or a vertex counts once.
+// Where the path from p to q goes through the sheet, in order, in and out in turn. The end belongs
+// to the path, the start does not. A way through an edge or a vertex counts once.
 template <int Capacity = 8, class S, class C, class T>
-MPMPBD_HD Crossings<T, Capacity> crossings(S const& sheet, C const& columns, Vec3<T> const& p, Vec3<T> const& q) {
+MPMPBD_HD Crossings<T, Capacity> crossings(S const& sheet, C const& columns, Vec3<T> const& p,
+                                           Vec3<T> const& q) {
   Crossings<T, Capacity> found{};
   auto const line = SheetLine<T>::between(p, q);
   if (!line.usable()) return found;
@@ -114,7 +121,8 @@ MPMPBD_HD Crossings<T, Capacity> crossings(S const& sheet, C const& columns, Vec
   columns.for_each(low, high, [&](std::int64_t k) {
     auto const t = sheet.triangle(k);
     for (int a = 0; a < 3; ++a)
-      if (min(t.a[a], min(t.b[a], t.c[a])) > high[a] || max(t.a[a], max(t.b[a], t.c[a])) < low[a]) return;
+      if (min(t.a[a], min(t.b[a], t.c[a])) > high[a] || max(t.a[a], max(t.b[a], t.c[a])) < low[a])
+        return;
     auto const hit = cross_projected(line.project(t.a), line.project(t.b), line.project(t.c));
     T const share = hit.z / line.reach;
     if (!hit.hit || !(share > T(0)) || !(share <= T(1))) return;
@@ -125,8 +133,10 @@ MPMPBD_HD Crossings<T, Capacity> crossings(S const& sheet, C const& columns, Vec
     while (at > 0 && (found.list[at - 1].share > share ||
                       (found.list[at - 1].share == share && found.list[at - 1].mark.triangle > k)))
       --at;
-    if (found.count == Capacity) found.more = true;
-    else ++found.count;
+    if (found.count == Capacity)
+      found.more = true;
+    else
+      ++found.count;
     for (int i = found.count - 1; i > at; --i) found.list[i] = found.list[i - 1];
     if (at < Capacity) found.list[at] = {share, hit.leaving, {k, hit.weights}};
     balance += hit.leaving ? -1 : 1;

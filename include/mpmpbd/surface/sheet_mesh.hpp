@@ -13,8 +13,8 @@
 namespace mpmpbd {
 
 template <class T> struct SheetMesh {
-  std::vector<Vec3<T>> positions{};                   // [m], (vertex, 3)
-  std::vector<Vec<std::int64_t, 3>> triangles{};      // (triangle, 3)
+  std::vector<Vec3<T>> positions{};               // [m], (vertex, 3)
+  std::vector<Vec<std::int64_t, 3>> triangles{};  // (triangle, 3)
 };
 
 namespace detail {
@@ -30,29 +30,36 @@ struct VectorAt {
 template <class T> auto sheet_of(SheetMesh<T> const& mesh) {
   using Vertices = detail::VectorAt::Of<Vec3<T>>;
   using Corners = detail::VectorAt::Of<Vec<std::int64_t, 3>>;
-  return Sheet<Vertices, Corners>{{&mesh.positions}, {&mesh.triangles}, static_cast<std::int64_t>(mesh.positions.size()),
+  return Sheet<Vertices, Corners>{{&mesh.positions},
+                                  {&mesh.triangles},
+                                  static_cast<std::int64_t>(mesh.positions.size()),
                                   static_cast<std::int64_t>(mesh.triangles.size())};
 }
 
-// The surface of a box as one closed sheet; faces share the vertices of their edges. Diagonals alternate,
-// so that the sheet has no preferred direction.
+// The surface of a box as one closed sheet; faces share the vertices of their edges. Diagonals
+// alternate, so that the sheet has no preferred direction.
 template <class T> SheetMesh<T> box_sheet(Box<T> const& box, Vec3<int> const& cells) {
   check_box(box, "box_sheet");
   for (int a = 0; a < 3; ++a)
     if (cells[a] < 1 || cells[a] > 4096)
-      throw std::invalid_argument("mpmpbd box_sheet: cells[" + std::to_string(a) + "] = " + std::to_string(cells[a]) +
-                                  " is not allowed; give 1 to 4096");
+      throw std::invalid_argument("mpmpbd box_sheet: cells[" + std::to_string(a) + "] = " +
+                                  std::to_string(cells[a]) + " is not allowed; give 1 to 4096");
   SheetMesh<T> mesh;
-  std::vector<std::int64_t> number(static_cast<std::size_t>(cells[0] + 1) * static_cast<std::size_t>(cells[1] + 1) *
-                                       static_cast<std::size_t>(cells[2] + 1), -1);
+  std::vector<std::int64_t> number(static_cast<std::size_t>(cells[0] + 1) *
+                                       static_cast<std::size_t>(cells[1] + 1) *
+                                       static_cast<std::size_t>(cells[2] + 1),
+                                   -1);
   auto vertex = [&](Vec3<int> const& i) {
-    auto const at = (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(cells[1] + 1) + static_cast<std::size_t>(i[1])) *
-                        static_cast<std::size_t>(cells[0] + 1) + static_cast<std::size_t>(i[0]);
+    auto const at = (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(cells[1] + 1) +
+                     static_cast<std::size_t>(i[1])) *
+                        static_cast<std::size_t>(cells[0] + 1) +
+                    static_cast<std::size_t>(i[0]);
     if (number[at] < 0) {
       number[at] = static_cast<std::int64_t>(mesh.positions.size());
       Vec3<T> x{};
       for (int a = 0; a < 3; ++a)
-        x[a] = i[a] == cells[a] ? box.high[a] : box.low[a] + (box.high[a] - box.low[a]) * T(i[a]) / T(cells[a]);
+        x[a] = i[a] == cells[a] ? box.high[a]
+                                : box.low[a] + (box.high[a] - box.low[a]) * T(i[a]) / T(cells[a]);
       mesh.positions.push_back(x);
     }
     return number[at];
@@ -83,10 +90,12 @@ template <class T> SheetMesh<T> box_sheet(Box<T> const& box, Vec3<int> const& ce
   return mesh;
 }
 
-// Refuses what is not a closed sheet with its outside outwards: every edge must have two triangles that
-// run along it in opposite directions, and the enclosed volume must be positive.
+// Refuses what is not a closed sheet with its outside outwards: every edge must have two triangles
+// that run along it in opposite directions, and the enclosed volume must be positive.
 template <class T> void check_sheet(SheetMesh<T> const& mesh, std::string const& owner = "sheet") {
-  auto refuse = [&owner](std::string const& what) { throw std::invalid_argument("mpmpbd " + owner + ": " + what); };
+  auto refuse = [&owner](std::string const& what) {
+    throw std::invalid_argument("mpmpbd " + owner + ": " + what);
+  };
   if (mesh.triangles.size() < 4)
     refuse(std::to_string(mesh.triangles.size()) + " triangles; a closed surface has at least 4");
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
@@ -99,10 +108,12 @@ template <class T> void check_sheet(SheetMesh<T> const& mesh, std::string const&
     auto const& t = mesh.triangles[k];
     for (int c = 0; c < 3; ++c) {
       if (t[c] < 0 || t[c] >= count)
-        refuse("triangle " + std::to_string(k) + " names vertex " + std::to_string(t[c]) + "; there are " + std::to_string(count));
+        refuse("triangle " + std::to_string(k) + " names vertex " + std::to_string(t[c]) +
+               "; there are " + std::to_string(count));
       used[static_cast<std::size_t>(t[c])] = 1;
     }
-    if (!(sheet.triangle(static_cast<std::int64_t>(k)).area() > T(0))) refuse("triangle " + std::to_string(k) + " has no area");
+    if (!(sheet.triangle(static_cast<std::int64_t>(k)).area() > T(0)))
+      refuse("triangle " + std::to_string(k) + " has no area");
     for (int c = 0; c < 3; ++c) {
       std::int64_t const a = t[c], b = t[(c + 1) % 3];
       edges.push_back({std::min(a, b), std::max(a, b), a < b ? 0 : 1});
@@ -112,24 +123,29 @@ template <class T> void check_sheet(SheetMesh<T> const& mesh, std::string const&
     if (!used[i]) refuse("vertex " + std::to_string(i) + " belongs to no triangle");
   std::sort(edges.begin(), edges.end());
   for (std::size_t i = 0; i < edges.size(); i += 2) {
-    bool const pair = i + 1 < edges.size() && edges[i][0] == edges[i + 1][0] && edges[i][1] == edges[i + 1][1] &&
-                      edges[i][2] == 0 && edges[i + 1][2] == 1;
-    bool const third = i + 2 < edges.size() && edges[i][0] == edges[i + 2][0] && edges[i][1] == edges[i + 2][1];
+    bool const pair = i + 1 < edges.size() && edges[i][0] == edges[i + 1][0] &&
+                      edges[i][1] == edges[i + 1][1] && edges[i][2] == 0 && edges[i + 1][2] == 1;
+    bool const third =
+        i + 2 < edges.size() && edges[i][0] == edges[i + 2][0] && edges[i][1] == edges[i + 2][1];
     if (!pair || third)
-      refuse("the edge between vertices " + std::to_string(edges[i][0]) + " and " + std::to_string(edges[i][1]) +
-             " does not have exactly two triangles that run along it in opposite directions; give a closed surface");
+      refuse(
+          "the edge between vertices " + std::to_string(edges[i][0]) + " and " +
+          std::to_string(edges[i][1]) +
+          " does not have exactly two triangles that run along it in opposite directions; give a closed surface");
   }
   if (!(enclosed_volume(sheet) > T(0))) refuse("the triangles turn inwards; turn them all round");
 }
 
 // Copies a mesh into the tables of one environment.
 template <class Vertices, class Triangles, class T>
-void load_sheet(SheetMesh<T> const& mesh, Vertices& vertices, Triangles& triangles, std::int64_t env) {
+void load_sheet(SheetMesh<T> const& mesh, Vertices& vertices, Triangles& triangles,
+                std::int64_t env) {
   using To = typename decltype(vertices.view())::Scalar;
   vertices.set_live(env, static_cast<std::int64_t>(mesh.positions.size()));
   triangles.set_live(env, static_cast<std::int64_t>(mesh.triangles.size()));
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    vertices.template set<sheet::Position>(env, static_cast<std::int64_t>(i), cast<To>(mesh.positions[i]));
+    vertices.template set<sheet::Position>(env, static_cast<std::int64_t>(i),
+                                           cast<To>(mesh.positions[i]));
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
     triangles.template set<sheet::Corners>(env, static_cast<std::int64_t>(k), mesh.triangles[k]);
 }

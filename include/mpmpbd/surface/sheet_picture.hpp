@@ -6,19 +6,22 @@
 
 namespace mpmpbd {
 
-// Fills `mesh` (its memory is used again) with positions, vertex normals and triangles. Closed sheets share
-// the vertices of a box's edges, so `crease` splits them: triangles whose normals differ by more than
-// this cosine from the vertex normal get a vertex of their own there, and edges stay sharp.
+// Fills `mesh` (its memory is used again) with positions, vertex normals and triangles. Closed
+// sheets share the vertices of a box's edges, so `crease` splits them: triangles whose normals
+// differ by more than this cosine from the vertex normal get a vertex of their own there, and edges
+// stay sharp.
 template <class S> void picture_of(S const& sheet, render::Mesh& mesh, float crease = 0.8f) {
   mesh.positions.clear();
   mesh.colours.clear();
   mesh.material.clear();
   mesh.triangles.clear();
   auto const at = [](std::int64_t i) { return static_cast<std::size_t>(i); };
-  for (std::int64_t i = 0; i < sheet.vertices; ++i) mesh.positions.push_back(cast<float>(sheet.vertex(i)));
+  for (std::int64_t i = 0; i < sheet.vertices; ++i)
+    mesh.positions.push_back(cast<float>(sheet.vertex(i)));
   for (std::int64_t k = 0; k < sheet.triangles; ++k) {
     auto const c = sheet.corners(k);
-    mesh.triangles.push_back({{static_cast<int>(c[0]), static_cast<int>(c[1]), static_cast<int>(c[2])}});
+    mesh.triangles.push_back(
+        {{static_cast<int>(c[0]), static_cast<int>(c[1]), static_cast<int>(c[2])}});
   }
   render::compute_normals(mesh);
   for (std::int64_t k = 0; k < sheet.triangles; ++k) {

@@ -6,16 +6,15 @@
 
 namespace mpmpbd {
 
-// A closed sheet of tracers that decides where tissue begins: what a needle has to puncture, which parts of
-// a thread are in a channel, and what a picture shows. A scene without it couples every point that has
-// tissue around it.
+// A closed sheet of tracers that decides where tissue begins: what a needle has to puncture, which
+// parts of a thread are in a channel, and what a picture shows. A scene without it couples every
+// point that has tissue around it.
 struct Surface {
   using Role = role::Surface;
   static constexpr FixedString name = "surface";
   using Reads = Fields<>;
-  using Writes =
-      union_t<Fields<sheet::Position, sheet::Corners>, marker::State, event::State, Fields<event::Count>,
-              channel::State, channel::PointState>;
+  using Writes = union_t<Fields<sheet::Position, sheet::Corners>, marker::State, event::State,
+                         Fields<event::Count>, channel::State, channel::PointState>;
 };
 
 }  // namespace mpmpbd
