@@ -1,0 +1,4 @@
+// Threads alone, compiled for every host back end and precision.
+#include <mpmpbd/catalog.hpp>
+
+MPMPBD_CATALOG_SIMULATIONS(, mpmpbd::catalog::Suture)
