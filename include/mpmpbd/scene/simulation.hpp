@@ -17,7 +17,7 @@ struct SimulationOptions {
   std::int64_t environments = 1;
   double cell_size = 0.0;    // [m]
   int nodes[3] = {0, 0, 0};  // per axis; the domain reaches from (0,0,0) to (nodes-1) cell_size
-  std::vector<Capacity> capacity;  // slots per environment by domain name
+  std::vector<Capacity> capacity{};  // slots per environment by domain name
   // Substeps of a step: 0 chooses them per environment from the stable limit, else exactly this many.
   int substeps = 0;
   int most_substeps = 1000;  // more needed than this sets Fault::time_step
