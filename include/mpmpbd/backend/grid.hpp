@@ -98,8 +98,9 @@ template <class T, class Move, class Ctx> struct NodeAccess {
   MPMPBD_HD void set_velocity(int i, Vec3<T> const& v) const { nodes[i] = quad(v, mass(i)); }
   MPMPBD_HD Vec3<T> inverse_mass(int i) const {
     int const row = i / context.lattice.nodes[0];
-    auto const x = context.lattice.position(i % context.lattice.nodes[0], row % context.lattice.nodes[1],
-                                            row / context.lattice.nodes[1]);
+    auto const x =
+        context.lattice.position(i % context.lattice.nodes[0], row % context.lattice.nodes[1],
+                                 row / context.lattice.nodes[1]);
     return Move::inverse_mass(velocity(i), mass(i), x, context);
   }
 };

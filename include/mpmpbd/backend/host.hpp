@@ -25,11 +25,11 @@ template <class T, class NodeFields> struct Workspace {
   std::vector<Tile<T>> tiles;
   std::vector<std::uint32_t> faults;  // per chunk
   std::uint32_t faults_together = 0;  // of stages that run over the whole environment
-  std::vector<std::max_align_t> scratch;  // of the coupling
-  std::vector<int> slot_of_node;          // one per node, -1 between two exchanges
+  std::vector<double> scratch;        // of the coupling
+  std::vector<int> slot_of_node;      // one per node, -1 between two exchanges
 
   void reserve_scratch(std::size_t bytes, Lattice<T> const& lattice) {
-    std::size_t const n = (bytes + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t);
+    std::size_t const n = (bytes + sizeof(double) - 1) / sizeof(double);
     if (scratch.size() < n) scratch.resize(n);
     if (slot_of_node.size() != static_cast<std::size_t>(lattice.count()))
       slot_of_node.assign(static_cast<std::size_t>(lattice.count()), -1);
@@ -130,7 +130,8 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     return faults;
   }
   template <class Stage, class Scalar, class View_, class Function>
-  MPMPBD_ALWAYS_INLINE static std::uint32_t one_item(View_ const& view, std::int64_t index, Function&& f) {
+  MPMPBD_ALWAYS_INLINE static std::uint32_t one_item(View_ const& view, std::int64_t index,
+                                                     Function&& f) {
     using Reads = on_t<typename Stage::Reads, Particles>;
     using Writes = on_t<typename Stage::Writes, Particles>;
     Local<Scalar, union_t<Reads, Writes>> p;

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <mpmpbd/core/table.hpp>
+#include <mpmpbd/coupling/team.cuh>
+#include <mpmpbd/pbd/access.hpp>
 #include <mpmpbd/scene/scene.hpp>
 
 namespace mpmpbd::resident {
@@ -113,49 +115,156 @@ __device__ __forceinline__ void move_nodes(Arena const& arena, Ctx const& contex
   }
 }
 
-// The particles of one environment, shared among the threads of a block. Every pass returns the faults
-// that this thread met.
-template <class ParticleView> struct Block {
-  ParticleView view;
-  std::int64_t first;
-  int live;
+// Nodes as a coupling sees them; the mass stands beside the velocity.
+template <class Move, class Ctx> struct SharedNodes {
+  Arena arena;
+  Ctx const& context;
+  void* scratch;
+  int* slot_of_node;
 
-  template <class Stage, class Sums, class Ctx>
-  __device__ __forceinline__ unsigned scatter(Sums const& sums, Ctx const& context) const {
-    return pass<Stage>([&](auto& p) { return Stage::run(p, sums, context); });
+  MPMPBD_HD float mass(int i) const { return arena.velocity[i].w; }
+  MPMPBD_HD Vec3<float> velocity(int i) const {
+    float4 const v = arena.velocity[i];
+    return {{v.x, v.y, v.z}};
   }
-  template <class Stage, class Nodes, class Ctx>
-  __device__ __forceinline__ unsigned gather(Nodes const& nodes, Ctx const& context) const {
-    return pass<Stage>([&](auto& p) { return Stage::run(p, nodes, context); });
+  MPMPBD_HD void set_velocity(int i, Vec3<float> const& v) const {
+    arena.velocity[i] = {v[0], v[1], v[2], mass(i)};
   }
-  template <class GatherStage, class ScatterStage, class Nodes, class Sums, class Ctx>
-  __device__ __forceinline__ unsigned gather_scatter(Nodes const& nodes, Sums const& sums,
-                                                     Ctx const& context) const {
-    using Plan = Fused<GatherStage, ScatterStage>;
-    return pass<typename Plan::Used, typename Plan::Loads, typename Plan::Keeps>([&](auto& p) {
-      unsigned const faults = GatherStage::run(p, nodes, context);
-      return faults | ScatterStage::run(p, sums, context);
-    });
+  MPMPBD_HD Vec3<float> inverse_mass(int i) const {
+    auto const& lattice = context.lattice;
+    int const row = i / lattice.nodes[0];
+    auto const x =
+        lattice.position(i % lattice.nodes[0], row % lattice.nodes[1], row / lattice.nodes[1]);
+    return Move::inverse_mass(velocity(i), mass(i), x, context);
+  }
+};
+
+// The tables of a store on the device: views by value, live counts per domain and environment.
+template <class List, class Domains> struct Tables;
+template <class List, class... Ds> struct Tables<List, TypeList<Ds...>> {
+  template <class D> struct Held {
+    View<float, on_t<List, D>> view;
+    std::int64_t const* live;
+  };
+  struct All : Held<Ds>... {};
+  All all;
+
+  template <class D> MPMPBD_HD auto const& of() const { return static_cast<Held<D> const&>(all); }
+  template <class D> auto& of() { return static_cast<Held<D>&>(all); }
+  __device__ auto environment(std::int64_t env) const {
+    return EnvironmentAccess<float, DomainAccess<Ds, View<float, on_t<List, Ds>>>...>{
+        access_domain<Ds>(of<Ds>().view, env, of<Ds>().live[env])...};
+  }
+};
+template <class Scene> using SceneStore = State<float, typename Scene::StateFields>;
+template <class Scene>
+using SceneTables = Tables<typename SceneStore<Scene>::List, typename SceneStore<Scene>::Domains>;
+
+// What a step of a scene is launched with.
+template <class Scene> struct Launch {
+  using Ctx = Context<float, typename Scene::Policies>;
+  SceneTables<Scene> tables;
+  Ctx const* contexts;  // per environment; tick of the first substep
+  float heaviest;       // particle [kg]
+  int substeps;
+  char* scratch;  // of the coupling, per environment
+  std::int64_t scratch_stride;
+  int* slot_of_node;  // per environment and node; -1
+  unsigned* faults;   // per environment
+};
+
+// Runs one environment on this block.
+template <class Scene> struct Block {
+  using In = typename Scene::In;
+  using Ctx = typename Launch<Scene>::Ctx;
+  using P2G = ParticlesToGrid<typename In::Body, typename In::Effects>;
+  using G2P = GridToParticles<typename In::Body, typename In::Effects>;
+  using Move = MoveNodes<typename In::Body, typename In::Effects>;
+
+  Launch<Scene> const& launch;
+  Arena arena;
+  Ctx context;
+  FixedPoint unit;
+  unsigned met = 0;
+
+  __device__ Block(Launch<Scene> const& launch_, char* memory)
+      : launch(launch_), arena(), context(launch_.contexts[blockIdx.x]) {
+    arena = Arena::at(memory, static_cast<int>(context.lattice.count()));
+    unit = FixedPoint::make(launch.heaviest, context.lattice.dx, context.tick.dt);
+  }
+
+  __device__ void step() {
+    arena.clear();
+    __syncthreads();
+    SharedWriter const sums{arena, context.lattice, unit};
+    SharedReader const nodes{arena, context.lattice};
+    context.tick.substeps = launch.substeps;
+    pass<P2G>([&](auto& p) { return P2G::run(p, sums, context); });
+    for (int s = 0; s < launch.substeps; ++s) {
+      __syncthreads();
+      move_nodes<Move>(arena, context, unit);
+      __syncthreads();
+      context.tick.substep = s;
+      for_each_stage(typename Scene::Substep::Stages{});
+      if (s + 1 == launch.substeps) {
+        pass<G2P>([&](auto& p) { return G2P::run(p, nodes, context); });
+        break;
+      }
+      using Plan = Fused<G2P, P2G>;
+      pass<typename Plan::Used, typename Plan::Loads, typename Plan::Keeps>([&](auto& p) {
+        unsigned const faults = G2P::run(p, nodes, context);
+        return faults | P2G::run(p, sums, context);
+      });
+      context.tick.step += 1;
+      context.tick.previous_dt = context.tick.dt;
+      context.tick.time += context.tick.dt;
+    }
+    if (met != 0) atomicOr(launch.faults + blockIdx.x, met);
   }
 
  private:
-  template <class Stage, class Function>
-  __device__ __forceinline__ unsigned pass(Function const& f) const {
+  template <class... Stages> __device__ void for_each_stage(TypeList<Stages...>) {
+    (together<Stages>(), ...);
+  }
+  // Stages over the whole environment run between the barriers; the others are inlined in the passes.
+  template <class Stage> __device__ void together() {
+    if constexpr (std::is_same_v<typename Stage::Kind, kind::Together>) {
+      SharedNodes<Move, Ctx> const grid{arena, context,
+                                        launch.scratch + blockIdx.x * launch.scratch_stride,
+                                        launch.slot_of_node + blockIdx.x * context.lattice.count()};
+      met |= Stage::run(BlockTeam{}, launch.tables.environment(blockIdx.x), context, grid);
+      __syncthreads();
+    }
+  }
+
+  template <class Stage, class Function> __device__ __forceinline__ void pass(Function const& f) {
     using Reads = on_t<typename Stage::Reads, Particles>;
     using Writes = on_t<typename Stage::Writes, Particles>;
-    return pass<union_t<Reads, Writes>, stored_t<Reads>, stored_t<Writes>>(f);
+    pass<union_t<Reads, Writes>, stored_t<Reads>, stored_t<Writes>>(f);
   }
+  // The particles of the environment, shared among the threads.
   template <class Used, class Loads, class Keeps, class Function>
-  __device__ __forceinline__ unsigned pass(Function const& f) const {
+  __device__ __forceinline__ void pass(Function const& f) {
+    auto const& table = launch.tables.template of<Particles>();
+    int const live = static_cast<int>(table.live[blockIdx.x]);
+    std::int64_t const first = blockIdx.x * table.view.capacity;
     unsigned faults = 0;
     for (int slot = threadIdx.x; slot < live; slot += blockDim.x) {
       Local<float, Used> p;
-      p.load(view, first + slot, Loads{});
+      p.load(table.view, first + slot, Loads{});
       faults |= f(p);
-      p.store(view, first + slot, Keeps{});
+      p.store(table.view, first + slot, Keeps{});
     }
-    return faults;
+    met |= faults;
   }
 };
+
+// One step of every environment, a block each. 512 threads leave 128 registers: no spills in the loop.
+template <class Scene, int threads>
+__global__ void __launch_bounds__(threads, 1) step(Launch<Scene> const launch) {
+  extern __shared__ char memory[];
+  Block<Scene> block(launch, memory);
+  block.step();
+}
 
 }  // namespace mpmpbd::resident

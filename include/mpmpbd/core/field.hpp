@@ -120,8 +120,7 @@ using minus_t =
     typename detail::Filter<Fields<>, detail::NotIn<Without>::template Test, List>::type;
 
 // Calls f(F{}) for every field of a list, in order (host).
-template <class... Fs, class Function>
-constexpr void for_each_field(Fields<Fs...>, Function&& f) {
+template <class... Fs, class Function> constexpr void for_each_field(Fields<Fs...>, Function&& f) {
   (f(Fs{}), ...);
 }
 

@@ -50,9 +50,10 @@ MPMPBD_HD constexpr bool has(std::uint32_t word, Fault f) {
 
 // Fields of one environment. All of them are state: saved, reset and cloned with the rest.
 namespace environment {
-struct Status : Field<"status", "bits", Integer, Environments> {};   // sticky until reset
-struct Step : Field<"step", "1", Integer, Environments> {};          // substeps since reset
-struct Time : Field<"time", "ps", Integer, Environments> {};         // since reset; a float sum would stall
+struct Status : Field<"status", "bits", Integer, Environments> {};  // sticky until reset
+struct Step : Field<"step", "1", Integer, Environments> {};         // substeps since reset
+struct Time : Field<"time", "ps", Integer, Environments> {
+};  // since reset; a float sum would stall
 struct Substeps : Field<"substeps", "1", Integer, Environments> {};  // taken in the last step
 struct Dt : Field<"dt", "s", Number, Environments> {};               // last substep length
 struct DtLimit : Field<"dt_limit", "s", Number, Environments> {};  // stable limit at the last step

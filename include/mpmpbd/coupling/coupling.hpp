@@ -13,10 +13,12 @@ template <class L> inline constexpr bool is_friction = requires { L::grips; };
 template <class L> inline constexpr bool is_drag = requires { L::drags; };
 
 template <class List> struct FrictionIn { using type = NoFriction; };
-template <class L, class... Ls> struct FrictionIn<TypeList<L, Ls...>>
+template <class L, class... Ls>
+struct FrictionIn<TypeList<L, Ls...>>
     : std::conditional_t<is_friction<L>, std::type_identity<L>, FrictionIn<TypeList<Ls...>>> {};
 template <class List> struct DragIn { using type = NoDrag; };
-template <class L, class... Ls> struct DragIn<TypeList<L, Ls...>>
+template <class L, class... Ls>
+struct DragIn<TypeList<L, Ls...>>
     : std::conditional_t<is_drag<L>, std::type_identity<L>, DragIn<TypeList<Ls...>>> {};
 }  // namespace detail
 
@@ -38,15 +40,18 @@ template <class Strategy_, class... Laws> struct Coupling {
   using DragLaw = typename detail::DragIn<TypeList<Laws...>>::type;
   using Leaves = TypeList<Strategy, FrictionLaw, DragLaw>;
 
-  static_assert(CouplingStrategy<Strategy>,
-                "mpmpbd Coupling<Strategy, ...>: a strategy gives a name, `using Takes = TypeList<...>` of the "
-                "constraints it solves itself, `static constexpr Conserves conserves` and `Stages<Parts>`; "
-                "write for example Coupling<Embedded, Friction>");
-  static_assert(((detail::is_friction<Laws> || detail::is_drag<Laws>)&&... && true),
-                "mpmpbd Coupling<Strategy, laws...>: a law is a friction (grips) or a drag (drags), for example "
-                "Coupling<Embedded, Friction, Drag>");
-  static_assert((int(detail::is_friction<Laws>) + ... + 0) < 2 && (int(detail::is_drag<Laws>) + ... + 0) < 2,
-                "mpmpbd Coupling<Strategy, laws...>: two laws of the same kind given; keep one friction and one drag");
+  static_assert(
+      CouplingStrategy<Strategy>,
+      "mpmpbd Coupling<Strategy, ...>: a strategy gives a name, `using Takes = TypeList<...>` of the "
+      "constraints it solves itself, `static constexpr Conserves conserves` and `Stages<Parts>`; "
+      "write for example Coupling<Embedded, Friction>");
+  static_assert(
+      ((detail::is_friction<Laws> || detail::is_drag<Laws>)&&... && true),
+      "mpmpbd Coupling<Strategy, laws...>: a law is a friction (grips) or a drag (drags), for example "
+      "Coupling<Embedded, Friction, Drag>");
+  static_assert(
+      (int(detail::is_friction<Laws>) + ... + 0) < 2 && (int(detail::is_drag<Laws>) + ... + 0) < 2,
+      "mpmpbd Coupling<Strategy, laws...>: two laws of the same kind given; keep one friction and one drag");
 };
 
 }  // namespace mpmpbd

@@ -50,6 +50,9 @@ template <class In> struct ExchangeImpulses {
   using Forces = in_slot_t<Slot::before_solve, typename In::Effects>;
   using Parts = join_t<Forces, typename Laws::Leaves>;
 
+  static constexpr bool stretches = detail::has_constraint<Rods, Distance>;
+  static constexpr bool pins = detail::has_constraint<Rods, Pin>;
+  static constexpr bool attaches = detail::has_constraint<Rods, Attachment>;
   static constexpr bool bends = detail::has_constraint<Rods, Bend>;
   static constexpr bool swaged = detail::has_constraint<Rods, Swage>;
   using Form = EmbeddedForm<typename In::Body::Shape, typename Laws::FrictionLaw,
@@ -58,24 +61,29 @@ template <class In> struct ExchangeImpulses {
   template <bool there, class List> using if_t = std::conditional_t<there, List, Fields<>>;
   using BeadState = Fields<bead::Position, bead::Velocity, bead::InverseMass, bead::Impulse,
                            bead::Tension, bead::PeakTension>;
-  template <class R, bool there> struct InstancesOf { using type = union_t<typename R::Reads, typename R::Writes>; };
+  template <class R, bool there> struct InstancesOf {
+    using type = union_t<typename R::Reads, typename R::Writes>;
+  };
   template <class R> struct InstancesOf<R, false> { using type = Fields<>; };
-  using Reads = union_t<Fields<node::Velocity, node::Mass, particle::Mass, particle::Volume>,
-                        if_t<In::has_rods, BeadState>, typename InstancesOf<Rods, In::has_rods>::type,
-                        typename detail::ReadsOf<Forces>::type>;
-  using Writes = union_t<Fields<node::Velocity, contact::Impulse, contact::Covered>,
-                         if_t<In::has_rods, BeadState>,
-                         if_t<In::has_needle, union_t<needle::State, needle::Report>>,
-                         if_t<In::has_surface, union_t<Surface::Writes, tip::Memory, Fields<channel::Member<ContactPoints>>>>,
-                         typename detail::WritesOf<Forces>::type>;
+  using Reads =
+      union_t<Fields<node::Velocity, node::Mass, particle::Mass, particle::Volume>,
+              if_t<In::has_rods, BeadState>, typename InstancesOf<Rods, In::has_rods>::type,
+              typename detail::ReadsOf<Forces>::type>;
+  using Writes =
+      union_t<Fields<node::Velocity, contact::Impulse, contact::Covered>,
+              if_t<In::has_rods, BeadState>,
+              if_t<In::has_needle, union_t<needle::State, needle::Report>>,
+              if_t<In::has_surface,
+                   union_t<Surface::Writes, tip::Memory, Fields<channel::Member<ContactPoints>>>>,
+              typename detail::WritesOf<Forces>::type>;
 
-  template <class Env, class Ctx> MPMPBD_HD static BodyCounts counts(Env const& env, Ctx const& context) {
+  template <class Env, class Ctx>
+  MPMPBD_HD static BodyCounts counts(Env const& env, Ctx const& context) {
     BodyCounts n;
     if constexpr (In::has_rods) n.beads = static_cast<int>(env.template live<Beads>());
     if constexpr (In::has_needle)
-      if (env.template live<Needles>() > 0)
-        n.needle_points = contact_points(arc_points(context));
-    if constexpr (detail::has_constraint<Rods, Attachment>)
+      if (env.template live<Needles>() > 0) n.needle_points = contact_points(arc_points(context));
+    if constexpr (attaches)
       n.attached_points = static_cast<int>(env.template live<Instances<Attachment>>());
     if constexpr (In::has_surface) {
       n.triangles = env.template live<SheetTriangles>();
@@ -86,7 +94,8 @@ template <class In> struct ExchangeImpulses {
   }
 
   // Bytes of scratch for one environment.
-  template <class Env, class Ctx> static std::size_t scratch_bytes(Env const& env, Ctx const& context) {
+  template <class Env, class Ctx>
+  static std::size_t scratch_bytes(Env const& env, Ctx const& context) {
     EmbeddedArrays<typename Ctx::Scalar, Form> a;
     return a.cut(nullptr, counts(env, context));
   }
@@ -116,7 +125,8 @@ template <class In> struct ExchangeImpulses {
  private:
   // What acts on the thread beside tissue, needle and its own stiffness: as velocity changes.
   template <class Team_, class Env, class Ctx>
-  MPMPBD_HD static std::uint32_t move_by_others(Team_ const& team, Env const& env, Ctx const& context) {
+  MPMPBD_HD static std::uint32_t move_by_others(Team_ const& team, Env const& env,
+                                                Ctx const& context) {
     std::uint32_t faults = 0;
     if constexpr (In::has_rods) {
       using Takes = typename Laws::Strategy::Takes;
@@ -131,19 +141,21 @@ template <class In> struct ExchangeImpulses {
   }
 
   template <class Ctx> MPMPBD_HD static auto arc_points(Ctx const& context) {
-    return ArcPoints<typename Ctx::Scalar>::over(Needle::arc(context.template of<Needle>()), context.lattice.dx);
+    return ArcPoints<typename Ctx::Scalar>::over(Needle::arc(context.template of<Needle>()),
+                                                 context.lattice.dx);
   }
 
   template <class Env, class Ctx, class Grid, class Arrays>
-  MPMPBD_HD static auto view(Env const& env, Ctx const& context, Grid const& grid, BodyCounts const& n,
-                             Arrays const& a) {
+  MPMPBD_HD static auto view(Env const& env, Ctx const& context, Grid const& grid,
+                             BodyCounts const& n, Arrays const& a) {
     using T = typename Ctx::Scalar;
     ExchangeView<T, Form> x{};
     x.lattice = context.lattice;
     x.rest_density = env.template get<particle::Mass>(0) / env.template get<particle::Volume>(0);
     x.dt = context.tick.dt;
     x.previous_dt = context.tick.previous_dt;
-    x.thread = {n.beads, a.position, a.velocity, a.mass, a.known, a.rest_length, a.rest_angle, a.impulse, T(0), T(0)};
+    x.thread = {n.beads,       a.position,   a.velocity, a.mass, a.known,
+                a.rest_length, a.rest_angle, a.impulse,  T(0),   T(0)};
     x.needle = a.needle;
     x.points = a.points;
     x.needle_points = n.needle_points;
@@ -167,8 +179,8 @@ template <class In> struct ExchangeImpulses {
   }
 
   template <class Team_, class Env, class Ctx, class X, class Arrays>
-  MPMPBD_HD static void load_thread(Team_ const& team, Env const& env, [[maybe_unused]] Ctx const& context,
-                                    X& x, Arrays const& a) {
+  MPMPBD_HD static void load_thread(Team_ const& team, Env const& env,
+                                    [[maybe_unused]] Ctx const& context, X& x, Arrays const& a) {
     using T = typename X::Scalar;
     if constexpr (In::has_rods) {
       team.each(x.thread.beads, [&](int k) {
@@ -184,33 +196,43 @@ template <class In> struct ExchangeImpulses {
       team.sync();
       team.one([&] {
         load_segments(env, a);
-        if constexpr (detail::has_constraint<Rods, Pin>)
-          for (std::int64_t i = 0; i < env.template live<Instances<Pin>>(); ++i) {
-            auto const b = env.template get<typename instance<Pin>::Index>(i);
-            a.known[b] = true;
-            a.velocity[b] = {};
-          }
+        load_pins(env, a);
       });
       team.sync();
       x.thread.stretch_compliance = stretch_compliance<T>(env);
       x.thread.bending_stiffness = bending_stiffness<T>(env, a);
-      team.each(x.gauss_points(), [&](int q) { x.points[q].radius = context.template of<Embedded>().thread_radius; });
+      team.each(x.gauss_points(),
+                [&](int q) { x.points[q].radius = context.template of<Embedded>().thread_radius; });
     }
   }
 
   // Rest lengths and angles stand with the constraints, which are ordered by colour.
-  template <class Env, class Arrays> MPMPBD_HD static void load_segments(Env const& env, Arrays const& a) {
-    if constexpr (detail::has_constraint<Rods, Distance>)
+  template <class Env, class Arrays>
+  MPMPBD_HD static void load_segments(Env const& env, Arrays const& a) {
+    if constexpr (stretches)
       for (std::int64_t i = 0; i < env.template live<Instances<Distance>>(); ++i)
         a.rest_length[env.template get<typename instance<Distance>::Index>(i)[0]] =
             load_parameters<Distance>(env, i).rest_length;
     if constexpr (bends)
       for (std::int64_t i = 0; i < env.template live<Instances<Bend>>(); ++i)
-        a.rest_angle[env.template get<typename instance<Bend>::Index>(i)[1]] = load_parameters<Bend>(env, i).rest_turn;
+        a.rest_angle[env.template get<typename instance<Bend>::Index>(i)[1]] =
+            load_parameters<Bend>(env, i).rest_turn;
+  }
+  // A pinned bead is one of known velocity.
+  template <class Env, class Arrays>
+  MPMPBD_HD static void load_pins([[maybe_unused]] Env const& env,
+                                  [[maybe_unused]] Arrays const& a) {
+    using T = typename Env::Scalar;
+    if constexpr (pins)
+      for (std::int64_t i = 0; i < env.template live<Instances<Pin>>(); ++i) {
+        auto const b = env.template get<typename instance<Pin>::Index>(i);
+        a.known[b] = true;
+        a.velocity[b] = Vec3<T>{};
+      }
   }
   // 1/EA [1/N] and EI [N m^2] of the threads, from their first segment and joint.
   template <class T, class Env> MPMPBD_HD static T stretch_compliance(Env const& env) {
-    if constexpr (detail::has_constraint<Rods, Distance>)
+    if constexpr (stretches)
       if (env.template live<Instances<Distance>>() > 0) {
         auto const k = load_parameters<Distance>(env, 0);
         return k.compliance / k.rest_length;
@@ -218,7 +240,8 @@ template <class In> struct ExchangeImpulses {
     return T(0);
   }
   template <class T, class Env, class Arrays>
-  MPMPBD_HD static T bending_stiffness([[maybe_unused]] Env const& env, [[maybe_unused]] Arrays const& a) {
+  MPMPBD_HD static T bending_stiffness([[maybe_unused]] Env const& env,
+                                       [[maybe_unused]] Arrays const& a) {
     if constexpr (bends)
       if (env.template live<Instances<Bend>>() > 0) {
         auto const middle = env.template get<typename instance<Bend>::Index>(0)[1];
@@ -230,7 +253,8 @@ template <class In> struct ExchangeImpulses {
   }
 
   template <class Team_, class Env, class Ctx, class X>
-  MPMPBD_HD static void load_needle(Team_ const& team, Env const& env, [[maybe_unused]] Ctx const& context, X const& x) {
+  MPMPBD_HD static void load_needle(Team_ const& team, Env const& env,
+                                    [[maybe_unused]] Ctx const& context, X const& x) {
     using T = typename X::Scalar;
     team.one([&] {
       RigidBody<T>& body = *x.needle;
@@ -241,15 +265,18 @@ template <class In> struct ExchangeImpulses {
         auto const& d = env.template domain<Needles>();
         auto const pose = needle::pose(d.view, d.first);
         auto const twist = needle::twist(d.view, d.first);
-        if constexpr (Needle::is_dynamic) load_dynamic(body, Needle::body(context.template of<Needle>()), pose, twist);
-        else load_kinematic(body, pose, twist, x.dt);
+        if constexpr (Needle::is_dynamic)
+          load_dynamic(body, Needle::body(context.template of<Needle>()), pose, twist);
+        else
+          load_kinematic(body, pose, twist, x.dt);
         if constexpr (swaged) tie_thread(env, context, x, pose, twist);
       }
     });
     team.sync();
   }
   template <class T>
-  MPMPBD_HD static void load_kinematic(RigidBody<T>& body, Pose<T> const& pose, Twist<T> const& twist, T dt) {
+  MPMPBD_HD static void load_kinematic(RigidBody<T>& body, Pose<T> const& pose,
+                                       Twist<T> const& twist, T dt) {
     auto const sweep = Sweep<T>::of(pose, twist, dt);
     body.motion = Motion::kinematic;
     body.centre = pose.position;
@@ -257,7 +284,8 @@ template <class In> struct ExchangeImpulses {
     body.spin = sweep.angular;
   }
   template <class T>
-  MPMPBD_HD static void load_dynamic(RigidBody<T>& body, NeedleBody<T> const& of, Pose<T> const& pose, Twist<T> const& twist) {
+  MPMPBD_HD static void load_dynamic(RigidBody<T>& body, NeedleBody<T> const& of,
+                                     Pose<T> const& pose, Twist<T> const& twist) {
     body.motion = Motion::dynamic;
     body.swaged = swaged;
     body.centre = of.centre_of_mass(pose);
@@ -273,10 +301,12 @@ template <class In> struct ExchangeImpulses {
   }
   // The swaged bead sits at the blunt end; with a needle whose motion is given, its velocity is known.
   template <class Env, class Ctx, class X, class T>
-  MPMPBD_HD static void tie_thread(Env const& env, Ctx const& context, X const& x, Pose<T> const& pose, Twist<T> const& twist) {
+  MPMPBD_HD static void tie_thread(Env const& env, Ctx const& context, X const& x,
+                                   Pose<T> const& pose, Twist<T> const& twist) {
     if (env.template live<Instances<Swage>>() == 0) return;
     auto const b = env.template get<typename instance<Swage>::Index>(0);
-    auto const end = swage_point(Needle::arc(context.template of<Needle>()), pose, Sweep<T>::of(pose, twist, x.dt));
+    auto const end = swage_point(Needle::arc(context.template of<Needle>()), pose,
+                                 Sweep<T>::of(pose, twist, x.dt));
     x.thread.position[b] = end.position;
     if constexpr (!Needle::is_dynamic) {
       x.thread.velocity[b] = end.velocity;
@@ -285,20 +315,23 @@ template <class In> struct ExchangeImpulses {
   }
 
   template <class Team_, class Env, class Ctx, class X>
-  MPMPBD_HD static void place_needle_points(Team_ const& team, Env const& env, Ctx const& context, X const& x) {
+  MPMPBD_HD static void place_needle_points(Team_ const& team, Env const& env, Ctx const& context,
+                                            X const& x) {
     if constexpr (In::has_needle) {
       auto const& d = env.template domain<Needles>();
       auto const pose = needle::pose(d.view, d.first);
       auto const arc = Needle::arc(context.template of<Needle>());
       auto const points = arc_points(context);
-      team.each(x.needle_points, [&](int i) { place_contact_point(x.points[x.gauss_points() + i], i, arc, points, pose); });
+      team.each(x.needle_points, [&](int i) {
+        place_contact_point(x.points[x.gauss_points() + i], i, arc, points, pose);
+      });
       team.sync();
     }
   }
 
   template <class Team_, class Env, class X>
   MPMPBD_HD static void place_attachments(Team_ const& team, Env const& env, X const& x) {
-    if constexpr (detail::has_constraint<Rods, Attachment>) {
+    if constexpr (attaches) {
       team.each(x.attached_points, [&](int i) {
         auto& p = x.points[x.first_attached() + i];
         auto const b = static_cast<int>(env.template get<typename instance<Attachment>::Index>(i));
@@ -313,8 +346,9 @@ template <class In> struct ExchangeImpulses {
 
   // What every point is. With a surface: by puncture and channel. Without: it is coupled where tissue is.
   template <class Team_, class Env, class Ctx, class X, class Arrays>
-  MPMPBD_HD static std::uint32_t settle_points(Team_ const& team, Env const& env, Ctx const& context, X const& x,
-                                               Arrays const& a, BodyCounts const& n) {
+  MPMPBD_HD static std::uint32_t settle_points(Team_ const& team, Env const& env,
+                                               Ctx const& context, X const& x, Arrays const& a,
+                                               BodyCounts const& n) {
     using T = typename X::Scalar;
     std::uint32_t faults = 0;
     if constexpr (In::has_surface) {
@@ -325,19 +359,23 @@ template <class In> struct ExchangeImpulses {
       team.sync();
       team.one([&] {
         auto const& d = env.template domain<Needles>();
-        update_members(x.points, x.gauss_points(), x.needle_points, swaged, detail::row<channel::Member<ContactPoints>>(env),
+        update_members(x.points, x.gauss_points(), x.needle_points, swaged,
+                       detail::row<channel::Member<ContactPoints>>(env),
                        Tip<T>::load(d.view, d.first), channels, 0, sheet, context.lattice.dx);
       });
       team.sync();
       team.each(x.first_attached(), [&](int q) {
-        faults |= settle_point(x.points, q, x.gauss_points(), channels, 0, sheet, columns, context.lattice.dx);
+        faults |= settle_point(x.points, q, x.gauss_points(), channels, 0, sheet, columns,
+                               context.lattice.dx);
       });
     } else {
       team.each(x.first_attached(), [&](int q) {
         auto& p = x.points[q];
         bool const tip = x.needle_points > 0 && q == x.gauss_points();
-        if (tip) p.contact = Contact::off;
-        else if (p.contact == Contact::member && !(p.coverage >= T(ChannelLimits::coverage))) p.contact = Contact::off;
+        if (tip)
+          p.contact = Contact::off;
+        else if (p.contact == Contact::member && !(p.coverage >= T(ChannelLimits::coverage)))
+          p.contact = Contact::off;
       });
     }
     team.sync();
@@ -350,8 +388,12 @@ template <class In> struct ExchangeImpulses {
       env.template set<contact::Impulse>(q, x.points[q].impulse);
       env.template set<contact::Covered>(q, x.points[q].coverage);
     });
-    if constexpr (In::has_rods) team.each(x.thread.beads, [&](int k) { store_bead(env, context, x, k); });
-    if constexpr (In::has_needle) team.one([&] { if (x.needle_points > 0) store_needle(env, context, x); });
+    if constexpr (In::has_rods)
+      team.each(x.thread.beads, [&](int k) { store_bead(env, context, x, k); });
+    if constexpr (In::has_needle)
+      team.one([&] {
+        if (x.needle_points > 0) store_needle(env, context, x);
+      });
     team.sync();
   }
   template <class Env, class Ctx, class X>
@@ -375,7 +417,8 @@ template <class In> struct ExchangeImpulses {
     if constexpr (Needle::is_dynamic) {
       auto const body = Needle::body(context.template of<Needle>());
       Vec3<T> const spin = x.needle->spin;
-      needle::set_twist(d.view, d.first, Twist<T>{x.needle->velocity - cross(spin, body.arm(pose)), spin});
+      needle::set_twist(d.view, d.first,
+                        Twist<T>{x.needle->velocity - cross(spin, body.arm(pose)), spin});
     }
     bool const first = context.tick.substep == 0;
     T const share = T(1) / T(context.tick.substeps);
@@ -387,11 +430,14 @@ template <class In> struct ExchangeImpulses {
     add(needle::Moment{}, w.moment);
     ContactPoint<T> const& tip = x.points[x.gauss_points()];
     T const tip_now = dot(tip.axis, tip.impulse) / x.dt;
-    env.template set<needle::TipForce>(0, first ? share * tip_now : env.template get<needle::TipForce>(0) + share * tip_now);
+    env.template set<needle::TipForce>(
+        0, first ? share * tip_now : env.template get<needle::TipForce>(0) + share * tip_now);
     T const size = norm(w.force);
-    env.template set<needle::PeakForce>(0, first ? size : max(size, env.template get<needle::PeakForce>(0)));
+    env.template set<needle::PeakForce>(
+        0, first ? size : max(size, env.template get<needle::PeakForce>(0)));
     T const pull = swaged && x.thread.beads > 1 ? tension(x, x.thread.beads - 2) : T(0);
-    env.template set<needle::ThreadPull>(0, first ? share * pull : env.template get<needle::ThreadPull>(0) + share * pull);
+    env.template set<needle::ThreadPull>(
+        0, first ? share * pull : env.template get<needle::ThreadPull>(0) + share * pull);
   }
 };
 

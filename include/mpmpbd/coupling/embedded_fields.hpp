@@ -7,16 +7,19 @@
 namespace mpmpbd {
 
 // Points in the order of the exchange: two per thread segment, the needle's (its tip first), attachments.
-struct ContactPoints { static constexpr FixedString name = "contact point"; };
+struct ContactPoints {
+  static constexpr FixedString name = "contact point";
+};
 
 namespace contact {
-struct Impulse : Field<"J", "N s", Vector, ContactPoints> {};    // of the last substep, body on tissue
+struct Impulse : Field<"J", "N s", Vector, ContactPoints> {
+};  // of the last substep, body on tissue
 struct Covered : Field<"theta", "1", Number, ContactPoints> {};  // tissue around the point, 1: full
 }  // namespace contact
 
 namespace bead {
-struct Impulse : Field<"lambda", "N s", Number, Beads> {};   // of the segment that starts here
-struct Tension : Field<"tension", "N", Number, Beads> {};    // its mean over the last step
+struct Impulse : Field<"lambda", "N s", Number, Beads> {};  // of the segment that starts here
+struct Tension : Field<"tension", "N", Number, Beads> {};   // its mean over the last step
 struct PeakTension : Field<"tension_peak", "N", Number, Beads> {};
 }  // namespace bead
 
@@ -26,7 +29,7 @@ namespace needle {
 struct Force : Field<"force", "N", Vector, Needles> {};
 struct Moment : Field<"moment", "N m", Vector, Needles> {};
 struct PeakForce : Field<"force_peak", "N", Number, Needles> {};
-struct TipForce : Field<"tip_force", "N", Number, Needles> {};      // axial, mean over the last step
+struct TipForce : Field<"tip_force", "N", Number, Needles> {};  // axial, mean over the last step
 struct ThreadPull : Field<"thread_pull", "N", Number, Needles> {};  // tension of the swaged segment
 using Report = Fields<Force, Moment, PeakForce, TipForce, ThreadPull>;
 }  // namespace needle

@@ -47,12 +47,15 @@ template <class In> struct MoveWithTissue {
   using Exchange = ExchangeImpulses<In>;
   using Needle = typename In::Needle;
   using Parts = std::conditional_t<In::has_surface, TypeList<Surface>, TypeList<>>;
-  using Reads = union_t<Fields<node::Velocity, node::Mass, contact::Impulse>, typename Exchange::template if_t<In::has_needle, needle::State>>;
-  using Writes = union_t<typename Exchange::template if_t<In::has_needle, needle::State>,
-                         typename Exchange::template if_t<In::has_surface, union_t<Surface::Writes, tip::Memory>>>;
+  using Reads = union_t<Fields<node::Velocity, node::Mass, contact::Impulse>,
+                        typename Exchange::template if_t<In::has_needle, needle::State>>;
+  using Writes = union_t<
+      typename Exchange::template if_t<In::has_needle, needle::State>,
+      typename Exchange::template if_t<In::has_surface, union_t<Surface::Writes, tip::Memory>>>;
 
   template <class Team_, class Env, class Ctx, class Grid>
-  MPMPBD_HD static std::uint32_t run(Team_ const& team, Env const& env, Ctx const& context, Grid const& grid) {
+  MPMPBD_HD static std::uint32_t run(Team_ const& team, Env const& env, Ctx const& context,
+                                     Grid const& grid) {
     std::uint32_t faults = 0;
     if constexpr (In::has_needle) move_needle(team, env, context);
     if constexpr (In::has_surface) {
@@ -83,18 +86,21 @@ template <class In> struct MoveWithTissue {
   }
 
   template <class Team_, class Env, class Ctx, class Grid>
-  MPMPBD_HD static void move_tracers(Team_ const& team, Env const& env, Ctx const& context, Grid const& grid) {
+  MPMPBD_HD static void move_tracers(Team_ const& team, Env const& env, Ctx const& context,
+                                     Grid const& grid) {
     using T = typename Ctx::Scalar;
     TissueVelocity<typename In::Body::Shape, Grid, T> const velocity{grid, context.lattice};
     auto const vertex = detail::row<sheet::Position>(env);
     team.each(static_cast<int>(env.template live<SheetVertices>()),
               [&](int i) { advect(vertex, i, velocity, context.tick.dt); });
-    team.one([&] { detail::channels_of_environment(env).advect_tracks(velocity, context.tick.dt); });
+    team.one(
+        [&] { detail::channels_of_environment(env).advect_tracks(velocity, context.tick.dt); });
     team.sync();
   }
 
   template <class Team_, class Env, class Ctx, class Grid>
-  MPMPBD_HD static std::uint32_t advance_surface(Team_ const& team, Env const& env, Ctx const& context, Grid const& grid) {
+  MPMPBD_HD static std::uint32_t advance_surface(Team_ const& team, Env const& env,
+                                                 Ctx const& context, Grid const& grid) {
     using T = typename Ctx::Scalar;
     std::uint32_t faults = 0;
     team.one([&] {
@@ -113,21 +119,24 @@ template <class In> struct MoveWithTissue {
       T const impulse = max(dot(axis, env.template get<contact::Impulse>(tip)), T(0));
       auto const& events = env.template domain<Events>();
       auto const& e = env.template domain<Environments>();
-      faults |= update_needle_surface(d.view, d.first, 0, to_world(pose, arc.point(T(0))), impulse, context.tick,
-                                      context.tick.time, sheet, columns, context.lattice.dx,
-                                      TipForces<T>{k.puncture_force, k.cutting_force}, marker_at(env, sheet, 0),
-                                      marker_at(env, sheet, 1), detail::channels_of_environment(env),
-                                      event_log(events.view, e.view, e.first));
+      faults |= update_needle_surface(
+          d.view, d.first, 0, to_world(pose, arc.point(T(0))), impulse, context.tick,
+          context.tick.time, sheet, columns, context.lattice.dx,
+          TipForces<T>{k.puncture_force, k.cutting_force}, marker_at(env, sheet, 0),
+          marker_at(env, sheet, 1), detail::channels_of_environment(env),
+          event_log(events.view, e.view, e.first));
     });
     team.sync();
     return faults;
   }
 
   // Where marker m is now (0: entry, 1: exit); far away when the scene has set none.
-  template <class Env, class S> MPMPBD_HD static auto marker_at(Env const& env, S const& sheet, int m) {
+  template <class Env, class S>
+  MPMPBD_HD static auto marker_at(Env const& env, S const& sheet, int m) {
     auto const& d = env.template domain<Markers>();
     auto const mark = marker::load(d.view, d.first + m);
-    return env.template live<Markers>() > m ? position(sheet, mark) : position(sheet, decltype(mark){0, {}});
+    return env.template live<Markers>() > m ? position(sheet, mark)
+                                            : position(sheet, decltype(mark){0, {}});
   }
 };
 

@@ -40,7 +40,8 @@ template <class Rods, class Effects> struct MoveRods {
       union_t<typename Rods::Writes, typename detail::WritesOf<join_t<Forces, After>>::type>;
 
   template <class Team, class Env, class Ctx, class Grid>
-  MPMPBD_HD static std::uint32_t run(Team const& team, Env const& env, Ctx const& context, Grid const&) {
+  MPMPBD_HD static std::uint32_t run(Team const& team, Env const& env, Ctx const& context,
+                                     Grid const&) {
     auto const forces = [&](Team const& lanes, Env const& rods, auto const& tick) {
       auto part = context;
       part.tick = tick;

@@ -88,8 +88,8 @@ struct SceneParts {
 
 // State that every environment has.
 using EnvironmentFields =
-    Fields<environment::Status, environment::Step, environment::Time, environment::Substeps, environment::Dt,
-           environment::DtLimit, environment::Seed, environment::Episode>;
+    Fields<environment::Status, environment::Step, environment::Time, environment::Substeps,
+           environment::Dt, environment::DtLimit, environment::Seed, environment::Episode>;
 
 template <class... Parts> struct Scene {
   static_assert(
@@ -130,12 +130,14 @@ template <class... Parts> struct Scene {
   static_assert(!(has_needle && !has_coupling),
                 "mpmpbd Scene<...>: a needle given but no coupling, so it would touch nothing; add "
                 "Coupling<Embedded>");
-  static_assert(!(has_body && has_rods && !has_coupling),
-                "mpmpbd Scene<...>: tissue and threads given but no coupling, so they would pass through "
-                "each other; add Coupling<Embedded>");
-  static_assert(!detail::present<Surface> || has_needle,
-                "mpmpbd Scene<...>: a surface given but no needle to puncture it; add ArcNeedle, or take "
-                "the surface out");
+  static_assert(
+      !(has_body && has_rods && !has_coupling),
+      "mpmpbd Scene<...>: tissue and threads given but no coupling, so they would pass through "
+      "each other; add Coupling<Embedded>");
+  static_assert(
+      !detail::present<Surface> || has_needle,
+      "mpmpbd Scene<...>: a surface given but no needle to puncture it; add ArcNeedle, or take "
+      "the surface out");
 
   using Effects = typename detail::WithBeads<of_role_t<role::Effect, Parts...>, has_rods>::type;
   static_assert(detail::check_effects(Effects{}));

@@ -68,9 +68,7 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   // Adds material points at rest, F = 1: positions [m] in environment coordinates, density [kg/m^3],
   // volume of each [m^3]. Refuses positions outside the domain and more points than the capacity.
   void add_particles(std::int64_t env, std::span<Vec3<double> const> positions, double density,
-                     double volume)
-    requires(Scene_::has_body)
-  {
+                     double volume) requires(Scene_::has_body) {
     check_parameter("Simulation::add_particles", bound::positive("density", "kg/m^3"), density);
     check_parameter("Simulation::add_particles", bound::positive("volume", "m^3"), volume);
     for (auto const& x : positions) check_position(x);
@@ -125,8 +123,7 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   void step(double h);
 
   // The longest recommended substep [s] of an environment in its present state.
-  double suggest_dt(std::int64_t env)
-    requires(Scene_::has_body);
+  double suggest_dt(std::int64_t env) requires(Scene_::has_body);
 
  private:
   using Ctx = Context<T, typename Scene::Policies>;
@@ -138,13 +135,15 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     if (has(status, Fault::not_finite)) return;  // frozen
     HostEnvironment<Scene, T, Lanes> run(state_, env, context_of(env), work, lanes);
     int substeps = 0;
+    status |= hold_particles(env);
     status |= choose_substeps(run, env, h, substeps);
     T const dt = T(h / substeps);
     T previous = state_.template get<environment::Dt>(env);
     for (int s = 0; s < substeps && !has(status, Fault::not_finite); ++s) {
       auto const step = state_.template get<environment::Step>(env);
       auto const time = state_.template get<environment::Time>(env);
-      status |= run.substep({dt, previous > T(0) ? previous : dt, step, T(1e-12 * double(time)), s, substeps});
+      status |= run.substep(
+          {dt, previous > T(0) ? previous : dt, step, T(1e-12 * double(time)), s, substeps});
       previous = dt;
       state_.template set<environment::Step>(env, step + 1);
       state_.template set<environment::Time>(env, time + std::llround(1e12 * h / substeps));
@@ -152,6 +151,28 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     state_.template set<environment::Dt>(env, dt);
     state_.template set<environment::Substeps>(env, substeps);
     state_.template set<environment::Status>(env, static_cast<std::int64_t>(status));
+  }
+
+  // The state may have been set from outside: a particle beyond the border would write beyond the grid,
+  // so it is held there as one that moves out is. Infinity and NaN are left to the step bounds.
+  std::uint32_t hold_particles([[maybe_unused]] std::int64_t env) {
+    std::uint32_t faults = 0;
+    if constexpr (Scene::has_body) {
+      using Shape = typename Scene::Body::Shape;
+      auto& table = state_.template table<Particles>();
+      auto const view = table.view();
+      for (int a = 0; a < 3; ++a) {
+        T const low = lowest_cell<Shape, T>() * lattice_.dx;
+        T const high = highest_cell<Shape, T>(lattice_.nodes[a]) * lattice_.dx;
+        auto* x = view.template plane<particle::Position>(a) + env * table.capacity();
+        for (std::int64_t slot = 0; slot < table.live(env); ++slot)
+          if (is_finite(x[slot]) && (x[slot] < low || x[slot] > high)) {
+            faults |= static_cast<std::uint32_t>(Fault::escape);
+            x[slot] = x[slot] > high ? high : low;
+          }
+      }
+    }
+    return faults;
   }
 
   // Substeps of this step and the faults of choosing them.
@@ -211,9 +232,7 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
                                                 "; give 0 (automatic) or a positive number");
   }
 
-  void check_position(Vec3<double> const& x) const
-    requires(Scene_::has_body)
-  {
+  void check_position(Vec3<double> const& x) const requires(Scene_::has_body) {
     using Shape = typename Scene::Body::Shape;
     for (int a = 0; a < 3; ++a) {
       double const low = lowest_cell<Shape, double>() * options_.cell_size;
@@ -251,9 +270,7 @@ void Simulation<Scene_, Backend, T>::step(double h) {
 }
 
 template <class Scene_, class Backend, class T>
-double Simulation<Scene_, Backend, T>::suggest_dt(std::int64_t env)
-  requires(Scene_::has_body)
-{
+double Simulation<Scene_, Backend, T>::suggest_dt(std::int64_t env) requires(Scene_::has_body) {
   workspaces_.resize(workspaces_.empty() ? 1 : workspaces_.size());
   HostEnvironment<Scene, T, Serial> run(state_, env, context_of(env), workspaces_[0], Serial{});
   std::uint32_t faults = 0;

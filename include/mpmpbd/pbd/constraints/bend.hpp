@@ -50,6 +50,26 @@ struct Bend {
     gradient<2>(e) = transpose(by_d2);
     return e;
   }
+  // How a bent joint resists when its plane turns, which the angle alone does not show: the gradient of the
+  // turn out of the plane, and (as value) that stiffness as a part of 1/compliance. A straight joint is as
+  // stiff across as along.
+  template <class X, class K> MPMPBD_HD static auto across(X const& x, K const& k) {
+    using T = typename X::Scalar;
+    Evaluation<Bend, T> e{};
+    Vec3<T> const d1 = get<1>(x) - get<0>(x);
+    Vec3<T> const d2 = get<2>(x) - get<1>(x);
+    T const l1 = norm(d1), l2 = norm(d2);
+    if (!(l1 > epsilon<T> * l2 && l2 > epsilon<T> * l1)) return e;
+    Vec3<T> const t1 = T(1) / l1 * d1, t2 = T(1) / l2 * d2;
+    Vec3<T> const normal = cross(t1, t2);
+    T const sine = norm(normal), turn = atan2(sine, dot(t1, t2));
+    Vec3<T> const n = sine > epsilon<T> ? T(1) / sine * normal : any_across(t1);
+    e.value[0] = k.rest_turn > T(0) ? max(T(0), T(1) - k.rest_turn / turn) : T(1);
+    gradient<0>(e) = transpose(T(1) / l1 * n);
+    gradient<1>(e) = transpose(-(T(1) / l1 + T(1) / l2) * n);
+    gradient<2>(e) = transpose(T(1) / l2 * n);
+    return e;
+  }
   template <class T> MPMPBD_HD static T compliance(Parameters<T> const& k) { return k.compliance; }
 };
 
