@@ -47,7 +47,7 @@ struct Settings {
     rules.number("cutting_force_n", cutting_force, {.high = puncture_force},
                  "it is at most the puncture force");
     rules.number("puncture_force_n", puncture_force,
-                 {.high = 3 * young_modulus * cell_size * cell_size},
+                 {.high = 2.1 * young_modulus * cell_size * cell_size},
                  "with more, the tip sinks in by more than a cell");
   }
 

@@ -91,7 +91,7 @@ TEST_CASE("the presets are similar, as their comments say", "[catalog][preset]")
   REQUIRE(scaled(norm(paper.camera.eye), norm(phantom.camera.eye), length));
   for (auto const& c : {paper, phantom}) {
     REQUIRE(c.dimple() < c.domain.cell_size);
-    REQUIRE(c.dimple() == Approx(0.417 * c.domain.cell_size).epsilon(0.01));
+    REQUIRE(c.dimple() == Approx(0.72 * c.domain.cell_size).epsilon(0.01));
   }
 }
 
@@ -153,7 +153,7 @@ TEST_CASE("impossible scenes are refused by file, line, key, value and range",
   REQUIRE_THAT(
       all("needle", "puncture_force_n", "16000.0"),
       Catch::Contains(
-          "needle.puncture_force_n = 16000 N is not allowed; give a number in (0, 15000] N"));
+          "needle.puncture_force_n = 16000 N is not allowed; give a number in (0, 10500] N"));
   REQUIRE_THAT(all("needle", "angle_deg", "120.0"), Catch::Contains("needle.angle_deg = 120 deg"));
   REQUIRE_THAT(all("thread", "length_m", "1.0"),
                Catch::Contains("thread.length_m = 1 m is not allowed; give a number in [1.1"));
