@@ -11,6 +11,8 @@ template <class C, class T> struct Loaded {
   static constexpr int points = point_count<C>;
   Vec<std::int64_t, points> beads;
   Vec<T, points> weights;  // inverse masses [1/kg]
+  ValuesOf<C, T> x;
+  parameters_t<C, T> k;
   Evaluation<C, T> at;
   T compliance;
   Vec<T, C::dimension> multiplier;
@@ -21,12 +23,11 @@ MPMPBD_HD auto load_instance(Env const& env, std::int64_t slot, std::index_seque
   using T = typename Env::Scalar;
   Loaded<C, T> one;
   one.beads = get_vector<typename instance<C>::Index>(env, slot);
-  ValuesOf<C, T> x;
-  ((get<static_cast<int>(Is)>(x) = env.template get<bead::Position>(one.beads[static_cast<int>(Is)])), ...);
+  ((get<static_cast<int>(Is)>(one.x) = env.template get<bead::Position>(one.beads[static_cast<int>(Is)])), ...);
   ((one.weights[static_cast<int>(Is)] = env.template get<bead::InverseMass>(one.beads[static_cast<int>(Is)])), ...);
-  auto const k = load_parameters<C>(env, slot);
-  one.at = C::evaluate(x, k);
-  one.compliance = C::compliance(k);
+  one.k = load_parameters<C>(env, slot);
+  one.at = C::evaluate(one.x, one.k);
+  one.compliance = C::compliance(one.k);
   one.multiplier = get_vector<typename instance<C>::Multiplier>(env, slot);
   return one;
 }

@@ -6,6 +6,22 @@
 
 namespace mpmpbd {
 
+// The row beside that of C for what C does across its gradient (`C::across`, optional).
+template <class C> struct Across {
+  using Unknowns = typename C::Unknowns;
+};
+template <class C> concept HasAcross = requires(ValuesOf<C, float> const& x, parameters_t<C, float> const& k) {
+  { C::across(x, k) } -> std::same_as<Evaluation<C, float>>;
+};
+namespace detail {
+template <class List> struct RowsOf;
+template <class... Cs> struct RowsOf<TypeList<Cs...>> {
+  using type = join_t<std::conditional_t<HasAcross<Cs>, TypeList<Cs, Across<Cs>>, TypeList<Cs>>...>;
+};
+}  // namespace detail
+// The rows that a bead has in the direct solver's system.
+template <class Set> using rows_t = typename detail::RowsOf<typename Set::List>::type;
+
 // The linear system of a chain: one row per bead and kind of constraint, in the order of beads. A row
 // whose constraint does not exist is the identity.
 template <class List> struct Chain;
@@ -61,39 +77,39 @@ template <int iterations_ = 4> struct DirectBanded {
   static constexpr FixedString name = "XPBD, direct banded";
   static constexpr int iterations = iterations_;
   static constexpr bool needs_chain = true;
-  template <class Set> using ScratchFields = typename Chain<typename Set::List>::ScratchFields;
+  template <class Set> using ScratchFields = typename Chain<rows_t<Set>>::ScratchFields;
 
   template <class Set, class Team, class Env, class T, class... Cs>
   MPMPBD_HD static std::uint32_t begin(Team const& team, Env const& env, Tick<T> const&, TypeList<Cs...>) {
-    using System = Chain<typename Set::List>;
+    using System = Chain<rows_t<Set>>;
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       env.template set<typename System::Predicted>(b, env.template get<bead::Position>(b));
     });
-    forget<System>(team, env, typename Set::List{});
+    forget<System>(team, env, rows_t<Set>{});
     return 0;
   }
 
   template <class Set, class Team, class Env, class T, class... Cs>
   MPMPBD_HD static std::uint32_t iterate(Team const& team, Env const& env, Tick<T> const& tick, TypeList<Cs...>) {
-    using System = Chain<typename Set::List>;
+    using System = Chain<rows_t<Set>>;
     T const dt2 = tick.dt * tick.dt;
     std::uint32_t faults = 0;
-    team.one([&] { lay_out<System>(env, dt2, typename Set::List{}); });
+    team.one([&] { lay_out<System>(env, dt2, rows_t<Set>{}); });
     team.sync();
-    clear<System>(team, env, typename Set::List{});
+    clear<System>(team, env, rows_t<Set>{});
     (evaluate<System, Cs>(team, env), ...);
-    assemble<System>(team, env, dt2, typename Set::List{});
+    assemble<System>(team, env, dt2, rows_t<Set>{});
     team.one([&] {
-      T const errors = sum_of_errors<System>(env, typename Set::List{});
-      if (!eliminate<System>(env, typename Set::List{})) faults |= static_cast<std::uint32_t>(Fault::solver);
-      shorten<System>(env, dt2, errors, typename Set::List{});
+      T const errors = sum_of_errors<System>(env, rows_t<Set>{});
+      if (!eliminate<System>(env, rows_t<Set>{})) faults |= static_cast<std::uint32_t>(Fault::solver);
+      shorten<System>(env, dt2, errors, rows_t<Set>{});
     });
     team.sync();
     (add_multipliers<System, Cs>(team, env), ...);
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       if (!(env.template get<bead::InverseMass>(b) > T(0))) return;
-      env.template set<bead::Position>(b, env.template get<bead::Position>(b) + displacement<System>(env, b, dt2, typename Set::List{}));
-      env.template set<typename System::Predicted>(b, env.template get<typename System::Predicted>(b) + displacement<System>(env, b, dt2, typename detail::WithoutLengths<typename Set::List>::type{}));
+      env.template set<bead::Position>(b, env.template get<bead::Position>(b) + displacement<System>(env, b, dt2, rows_t<Set>{}));
+      env.template set<typename System::Predicted>(b, env.template get<typename System::Predicted>(b) + displacement<System>(env, b, dt2, typename detail::WithoutLengths<rows_t<Set>>::type{}));
     });
     team.sync();
     return faults;
@@ -165,7 +181,6 @@ template <int iterations_ = 4> struct DirectBanded {
   MPMPBD_HD static void clear(Team const& team, Env const& env, TypeList<Cs...>) {
     using T = typename Env::Scalar;
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
-      (env.template set<typename System::template Gradient<Cs>>(b, {}), ...);
       (env.template set<typename System::template Right<Cs>>(b, T(0)), ...);
       (env.template set<typename System::template Alpha<Cs>>(b, T(-1)), ...);
     });
@@ -179,15 +194,41 @@ template <int iterations_ = 4> struct DirectBanded {
     return flat;
   }
 
+  // How much of a force vector is along gradient g.
+  template <class T, int n> MPMPBD_HD static T component(Vec<T, n> const& force, Vec<T, n> const& g) {
+    T const size = dot(g, g);
+    return size > T(0) ? dot(force, g) / size : T(0);
+  }
+
   template <class System, class C, class Team, class Env>
   MPMPBD_HD static void evaluate(Team const& team, Env const& env) {
     using T = typename Env::Scalar;
+    using Points = std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>;
     detail::for_each_instance<C>(team, env, [&](std::int64_t slot) {
       auto const one = detail::load_instance<C>(env, slot);
       auto const b = one.beads[0];
-      env.template set<typename System::template Gradient<C>>(
-          b, flatten<C, T>(one.at, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{}));
-      env.template set<typename System::template Right<C>>(b, -(one.at.value[0] + one.compliance * one.multiplier[0]));
+      auto const g = flatten<C, T>(one.at, Points{});
+      T f = one.multiplier[0];
+      if constexpr (HasAcross<C>) {
+        using Side = Across<C>;
+        auto const side = C::across(one.x, one.k);
+        auto const h = flatten<C, T>(side, Points{});
+        // The force found so far is a vector: it keeps its direction when the joint's plane turns, or flips.
+        auto const force = f * env.template get<typename System::template Gradient<C>>(b) +
+                           env.template get<typename System::template Force<Side>>(b) * env.template get<typename System::template Gradient<Side>>(b);
+        f = component(force, g);
+        T const f_side = component(force, h);
+        env.template set<typename instance<C>::Multiplier>(slot, f);
+        T const part = side.value[0];
+        bool const acts = part > T(0) && (one.compliance > T(0) || part == T(1));
+        T const alpha = acts ? one.compliance / part : T(-1);
+        env.template set<typename System::template Gradient<Side>>(b, acts ? h : Vec<T, 3 * point_count<C>>{});
+        env.template set<typename System::template Alpha<Side>>(b, alpha);
+        env.template set<typename System::template Force<Side>>(b, acts ? f_side : T(0));
+        env.template set<typename System::template Right<Side>>(b, acts ? -alpha * f_side : T(0));
+      }
+      env.template set<typename System::template Gradient<C>>(b, g);
+      env.template set<typename System::template Right<C>>(b, -(one.at.value[0] + one.compliance * f));
       env.template set<typename System::template Alpha<C>>(b, one.compliance);
       if constexpr (is_length<C>) {  // the length at C = 0; add_multipliers adds the stretch
         auto const d = env.template get<bead::Position>(one.beads[1]) - env.template get<bead::Position>(b);
@@ -387,6 +428,11 @@ template <int iterations_ = 4> struct DirectBanded {
       auto const f = env.template get<typename instance<C>::Multiplier>(slot) + env.template get<typename System::template Right<C>>(first);
       env.template set<typename instance<C>::Multiplier>(slot, f);
       env.template set<typename System::template Force<C>>(first, f);
+      if constexpr (HasAcross<C>) {
+        using Side = Across<C>;
+        env.template set<typename System::template Force<Side>>(
+            first, env.template get<typename System::template Force<Side>>(first) + env.template get<typename System::template Right<Side>>(first));
+      }
       if constexpr (is_length<C>) {
         auto const l = env.template get<typename System::template Length<C>>(first);
         env.template set<typename System::template Length<C>>(first, l - env.template get<typename System::template Alpha<C>>(first) * f);
