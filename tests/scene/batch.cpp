@@ -93,6 +93,13 @@ TEST_CASE("Trouble sets the bit of its own environment and nothing else") {
             r.state().template set<particle::Velocity>(1, 0, vec(-8.0, 0.0, 0.0));
           }) == 0.0);
   }
+  SECTION("a position set outside of the domain") {
+    for (auto const& x : {vec(-3 * dx, 5 * dx, 5 * dx), vec(5 * dx, 40 * dx, 5 * dx),
+                          vec(5 * dx, 5 * dx, 1e300), vec(5 * dx, -1e300, 5 * dx)})
+      CHECK(contained(Fault::escape, [&](auto& r) {
+              r.state().template set<particle::Position>(1, 0, x);
+            }) == 0.0);
+  }
   SECTION("an inverted particle") {
     CHECK(contained(Fault::inversion, [](auto& r) {
             r.state().template set<particle::Deformation>(
