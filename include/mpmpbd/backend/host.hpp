@@ -76,15 +76,19 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     std::vector<StepBounds<T>> of_chunk(static_cast<std::size_t>(chunks()));
     if constexpr (Scene::has_body) {
       using Body = typename Scene::Body;
-      using Read = stored_t<union_t<typename Body::Material::Reads, typename Scatter<Body>::Reads>>;
+      using Damping = in_slot_t<Slot::before_scatter, typename Scene::Effects>;
+      using Used = union_t<typename Body::Material::Reads, typename Scatter<Body>::Reads,
+                           typename detail::ReadsOf<Damping>::type>;
+      using Read = stored_t<on_t<Used, Particles>>;
       auto const view = state_.template view<Particles>();
       lanes_.for_each(chunks(), [&](std::int64_t c, int) {
         auto& b = of_chunk[static_cast<std::size_t>(c)];
         for_chunk(c, [&](std::int64_t index) {
-          Local<T, Read> p;
+          Local<T, Used> p;
           p.load(view, index, Read{});
-          auto const one = step_bounds<Body>(p, context_.template of<typename Body::Material>());
-          if (!is_finite(one.frequency2 + one.speed + one.rate +
+          auto one = step_bounds<Body>(p, context_.template of<typename Body::Material>());
+          include_damping(one, p, Damping{});
+          if (!is_finite(one.frequency2 + one.damping + one.speed + one.rate +
                          dot(p[particle::Position{}], p[particle::Position{}])))
             work_.faults[static_cast<std::size_t>(c)] |=
                 static_cast<std::uint32_t>(Fault::not_finite);
@@ -102,6 +106,18 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
  private:
   static constexpr bool needs_previous =
       contains<typename Scene::NodeFields, node::PreviousVelocity>;
+
+  // What effects with `damping(p, k)` [Pa s] add to the bounds.
+  template <class P, class... Es>
+  void include_damping([[maybe_unused]] StepBounds<T>& b, [[maybe_unused]] P const& p,
+                       TypeList<Es...>) const {
+    [[maybe_unused]] auto const one = [&]<class E>(std::type_identity<E>) {
+      if constexpr (requires { E::damping(p, context_.template of<E>()); })
+        b.damping +=
+            E::damping(p, context_.template of<E>()) * p[particle::Volume{}] / p[particle::Mass{}];
+    };
+    (one(std::type_identity<Es>{}), ...);
+  }
 
   std::int64_t chunks() const { return (live_ + chunk_size - 1) / chunk_size; }
 

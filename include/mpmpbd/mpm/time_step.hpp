@@ -65,11 +65,13 @@ template <class Body> inline constexpr double gradient_stiffness_of = gradient_s
 // What bounds the step of one environment; maxima over its particles.
 template <class T> struct StepBounds {
   T frequency2 = T(0);  // k / rho0 [m^2/s^2]
+  T damping = T(0);     // largest eigenvalue of dtau/d(dF/dt) / rho0 [m^2/s]
   T speed = T(0);       // |v| [m/s]
   T rate = T(0);        // |C| [1/s]
 
   MPMPBD_HD void include(StepBounds const& b) {
     frequency2 = max(frequency2, b.frequency2);
+    damping = max(damping, b.damping);
     speed = max(speed, b.speed);
     rate = max(rate, b.rate);
   }
@@ -87,10 +89,13 @@ MPMPBD_HD StepBounds<typename P::Scalar> step_bounds(P const& p, K const& materi
   return b;
 }
 
-// The longest stable step [s] of elastic waves, without the safety factor.
+// The longest stable step [s] of damped elastic waves, without the safety factor: with omega^2 = G k / rho0
+// and b = G c / (2 rho0) it is 2 / (b + sqrt(omega^2 + b^2)).
 template <class Body, class T> MPMPBD_HD T elastic_limit(StepBounds<T> const& b, T dx) {
-  constexpr double G = detail::gradient_stiffness_of<Body>;
-  return b.frequency2 > T(0) ? T(2) * dx / sqrt(T(G) * b.frequency2) : T(1e30);
+  T const G = T(detail::gradient_stiffness_of<Body>) / (dx * dx);
+  T const half = G * b.damping / 2;
+  T const rate = half + sqrt(G * b.frequency2 + half * half);
+  return rate > T(0) ? T(2) / rate : T(1e30);
 }
 
 // The recommended longest step [s]: elastic waves, half a cell of motion, half a unit of strain.

@@ -62,6 +62,20 @@ template <class F>
 struct Outlives : std::bool_constant<F::stored && !std::is_same_v<typename F::Domain, Nodes>> {};
 template <class List> struct StateOf : Filter<Fields<>, Outlives, List> {};
 
+// Whether effects that read C find it written.
+template <class E>
+inline constexpr bool needs_affine = [] {
+  if constexpr (requires { E::needs_affine; })
+    return bool(E::needs_affine);
+  else
+    return false;
+}();
+template <class Body, class Effects> inline constexpr bool affine_where_needed = true;
+template <class Body, class... Es>
+  requires(present<Body>)
+inline constexpr bool affine_where_needed<Body, TypeList<Es...>> =
+    Body::Transfer::carries_affine || !(needs_affine<Es> || ...);
+
 template <class List> struct PipelineOf;
 template <class... Ss> struct PipelineOf<TypeList<Ss...>> { using type = Pipeline<Ss...>; };
 
@@ -142,6 +156,10 @@ template <class... Parts> struct Scene {
   using Effects = typename detail::WithBeads<of_role_t<role::Effect, Parts...>, has_rods>::type;
   static_assert(detail::check_effects(Effects{}));
   using In = SceneParts<Body, Rods, Needle, Surface, Coupling, Effects>;
+  static_assert(
+      detail::affine_where_needed<Body, Effects>,
+      "mpmpbd Scene<...>: an effect reads the affine velocity C, which PIC and FLIP do not carry; take "
+      "Apic or Tpic, or leave the effect out");
 
   using Policies = join_t<typename detail::LeavesOf<Parts>::type...>;
   using Mpm = detail::MpmStages<Body, Effects>;
