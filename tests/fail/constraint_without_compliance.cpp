@@ -9,9 +9,7 @@ struct Height {
   using Unknowns = TypeList<unknown::Point>;
   static constexpr int dimension = 1;
   static constexpr ConstraintKind kind = ConstraintKind::equality;
-  template <class T> struct Parameters {
-    T height, compliance;
-  };
+  template <class T> struct Parameters { T height, compliance; };
   static constexpr std::array<ParameterInfo, 2> parameter_info{
       {bound::any("height", "m"), bound::not_negative("compliance", "m/N")}};
   template <class X, class K> MPMPBD_HD static auto evaluate(X const& x, K const& k) {

@@ -13,7 +13,8 @@ struct Banded : Pbd<Constraints<Distance, Bend>, DirectBanded<1>> {};
 RodMaterial const nylon{2e9, 0.115e-3, 1140};
 }  // namespace
 
-TEST_CASE("a thread weighs what its wire weighs and resists as E and r say", "[constraint][builder]") {
+TEST_CASE("a thread weighs what its wire weighs and resists as E and r say",
+          "[constraint][builder]") {
   RodAssembly<Body> rod;
   auto const range = add_thread(rod, straight({{0, 0, 0}}, {{0.06, 0.08, 0}}, 41), nylon);
   CHECK(range.segments() == 40);
@@ -73,7 +74,11 @@ TEST_CASE("colours share no bead and depend on the instances alone", "[constrain
   CHECK(colour_greedily(pairs, 31) == colour_greedily(pairs, 31));
   // A net: random pairs.
   std::uint64_t state = 12345;
-  auto draw = [&] { return static_cast<std::int64_t>((state = state * 6364136223846793005u + 1442695040888963407u) >> 33) % 40; };
+  auto draw = [&] {
+    return static_cast<std::int64_t>(
+               (state = state * 6364136223846793005u + 1442695040888963407u) >> 33) %
+           40;
+  };
   std::vector<std::array<std::int64_t, 2>> net;
   while (net.size() < 200) {
     auto const a = draw(), b = draw();
@@ -105,11 +110,16 @@ TEST_CASE("instances are stored colour by colour", "[constraint][builder]") {
 TEST_CASE("bad rods are refused with name, value and bound", "[constraint][builder]") {
   RodAssembly<Body> rod;
   auto const line = straight({{0, 0, 0}}, {{0.02, 0, 0}}, 4);
-  CHECK_THROWS_WITH(add_thread(rod, line, RodMaterial{2e9, 0.0, 1140}), Contains("radius = 0.0") && Contains("(0, inf)"));
-  CHECK_THROWS_WITH(add_thread(rod, line, RodMaterial{-1.0, 1e-3, 1140}), Contains("young_modulus = -1.0"));
-  CHECK_THROWS_WITH(add_thread(rod, line, RodMaterial{2e9, 1e-3, std::nan("")}), Contains("density = nan") || Contains("density = -nan"));
-  CHECK_THROWS_WITH(add_thread(rod, Line{{{0, 0, 0}}}, nylon), Contains("beads = 1") && Contains("at least 2"));
-  CHECK_THROWS_WITH(add_thread(rod, Line{{{0, 0, 0}}, {{0, 0, 0}}}, nylon), Contains("segment 0") && Contains("positive length"));
+  CHECK_THROWS_WITH(add_thread(rod, line, RodMaterial{2e9, 0.0, 1140}),
+                    Contains("radius = 0.0") && Contains("(0, inf)"));
+  CHECK_THROWS_WITH(add_thread(rod, line, RodMaterial{-1.0, 1e-3, 1140}),
+                    Contains("young_modulus = -1.0"));
+  CHECK_THROWS_WITH(add_thread(rod, line, RodMaterial{2e9, 1e-3, std::nan("")}),
+                    Contains("density = nan") || Contains("density = -nan"));
+  CHECK_THROWS_WITH(add_thread(rod, Line{{{0, 0, 0}}}, nylon),
+                    Contains("beads = 1") && Contains("at least 2"));
+  CHECK_THROWS_WITH(add_thread(rod, Line{{{0, 0, 0}}, {{0, 0, 0}}}, nylon),
+                    Contains("segment 0") && Contains("positive length"));
   CHECK_THROWS_WITH(add_thread(rod, line, 1, nylon), Contains("beads = 1"));
   CHECK(rod.beads() == 0);  // nothing was added
   rod.add_bead({{0, 0, 0}}, 0.001);
@@ -117,7 +127,8 @@ TEST_CASE("bad rods are refused with name, value and bound", "[constraint][build
   CHECK_THROWS_WITH(rod.add<Distance>({0, 1}, {0.1, 0.0}), Contains("bead 1 does not exist"));
   rod.add_bead({{0, 0, 1e-3}}, 0.001);
   CHECK_THROWS_WITH(rod.add<Distance>({1, 1}, {0.1, 0.0}), Contains("bead 1 twice"));
-  CHECK_THROWS_WITH(rod.add<Distance>({0, 1}, {0.1, -1e-9}), Contains("compliance") && Contains("[0, inf)"));
+  CHECK_THROWS_WITH(rod.add<Distance>({0, 1}, {0.1, -1e-9}),
+                    Contains("compliance") && Contains("[0, inf)"));
   CHECK_THROWS_WITH(rod.add<Distance>({0, 1}, {0.0, 0.0}), Contains("rest_length"));
   CHECK_THROWS_WITH(rod.prescribe(7), Contains("bead 7"));
   CHECK(rod.instances<Distance>() == 0);

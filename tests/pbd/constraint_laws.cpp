@@ -15,13 +15,27 @@ using namespace mpmpbd;
 namespace {
 template <class C> struct Sample;
 // One line per constraint: its parameters for configurations of 20 mm.
-template <> struct Sample<Distance> { static auto k() { return Distance::Parameters<double>{13e-3, 2.4e-5}; } };
-template <> struct Sample<Bend> { static auto k() { return Bend::Parameters<double>{0.9, 7e3}; } };
-template <> struct Sample<Pin> { static auto k() { return Pin::Parameters<double>{4e-3, -7e-3, 2e-3, 2.4e-3}; } };
-template <> struct Sample<Attachment> { static auto k() { return Attachment::Parameters<double>{2.4e-3}; } };
-template <> struct Sample<Swage> { static auto k() { return Swage::Parameters<double>{6e-3, 11e-3, -3e-3, 2.4e-3}; } };
-template <> struct Sample<MinimumDistance> { static auto k() { return MinimumDistance::Parameters<double>{31e-3, 2.4e-5}; } };
-template <> struct Sample<HalfSpace> { static auto k() { return HalfSpace::Parameters<double>{0.3, -1.7, 0.8, 5e-3, 1e-4}; } };
+template <> struct Sample<Distance> {
+  static auto k() { return Distance::Parameters<double>{13e-3, 2.4e-5}; }
+};
+template <> struct Sample<Bend> {
+  static auto k() { return Bend::Parameters<double>{0.9, 7e3}; }
+};
+template <> struct Sample<Pin> {
+  static auto k() { return Pin::Parameters<double>{4e-3, -7e-3, 2e-3, 2.4e-3}; }
+};
+template <> struct Sample<Attachment> {
+  static auto k() { return Attachment::Parameters<double>{2.4e-3}; }
+};
+template <> struct Sample<Swage> {
+  static auto k() { return Swage::Parameters<double>{6e-3, 11e-3, -3e-3, 2.4e-3}; }
+};
+template <> struct Sample<MinimumDistance> {
+  static auto k() { return MinimumDistance::Parameters<double>{31e-3, 2.4e-5}; }
+};
+template <> struct Sample<HalfSpace> {
+  static auto k() { return HalfSpace::Parameters<double>{0.3, -1.7, 0.8, 5e-3, 1e-4}; }
+};
 
 template <class C, class T> void check_laws() {
   for (auto const& law : constraint_laws<C, T>(Sample<C>::k(), 20e-3)) {
@@ -31,8 +45,8 @@ template <class C, class T> void check_laws() {
 }
 }  // namespace
 
-TEMPLATE_TEST_CASE("a constraint keeps the laws", "[constraint][laws]", Distance, Bend, Pin, Attachment, Swage,
-                   MinimumDistance, HalfSpace) {
+TEMPLATE_TEST_CASE("a constraint keeps the laws", "[constraint][laws]", Distance, Bend, Pin,
+                   Attachment, Swage, MinimumDistance, HalfSpace) {
   check_laws<TestType, double>();
   check_laws<TestType, float>();
 }

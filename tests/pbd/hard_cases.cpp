@@ -28,8 +28,9 @@ template <class Body, class T> double turn_at(Rig<Body, T> const& rig, std::int6
 }  // namespace
 
 TEMPLATE_TEST_CASE("B22: beads that coincide separate, always the same way", "[constraint][hard]",
-                   (std::pair<Xpbd<20>, float>), (std::pair<Xpbd<20>, double>), (std::pair<Jacobi<60>, float>),
-                   (std::pair<Jacobi<60>, double>), (std::pair<DirectBanded<4>, float>), (std::pair<DirectBanded<4>, double>)) {
+                   (std::pair<Xpbd<20>, float>), (std::pair<Xpbd<20>, double>),
+                   (std::pair<Jacobi<60>, float>), (std::pair<Jacobi<60>, double>),
+                   (std::pair<DirectBanded<4>, float>), (std::pair<DirectBanded<4>, double>)) {
   using Body = With<Rod, typename TestType::first_type>;
   using T = typename TestType::second_type;
   double const l = 4e-3;
@@ -40,7 +41,8 @@ TEMPLATE_TEST_CASE("B22: beads that coincide separate, always the same way", "[c
       add_thread(rod, straight({{0.1, 0.2, 0.3}}, {{0.1, 0.2 + 6 * l, 0.3}}, 7), soft);
       Rig<Body, T> rig(rod);
       std::int64_t const from = together == 7 ? 0 : 2;
-      for (std::int64_t b = from; b < from + together && b < 7; ++b) rig.store.template set<bead::Position>(0, b, rig.x(from));
+      for (std::int64_t b = from; b < from + together && b < 7; ++b)
+        rig.store.template set<bead::Position>(0, b, rig.x(from));
       for (int s = 0; s < 300; ++s) {
         rig.step(1e-3, 0.0);
         for (std::int64_t b = 0; b < 7; ++b)  // let it come to rest
@@ -51,12 +53,13 @@ TEMPLATE_TEST_CASE("B22: beads that coincide separate, always the same way", "[c
     auto const rig = run(), again = run();
     CHECK(rig.finite());
     CHECK(same(rig, again));
-    for (std::int64_t b = 1; b < 7; ++b) CHECK(double(norm(rig.x(b) - rig.x(b - 1))) == Approx(l).epsilon(1e-2));
+    for (std::int64_t b = 1; b < 7; ++b)
+      CHECK(double(norm(rig.x(b) - rig.x(b - 1))) == Approx(l).epsilon(1e-2));
   }
 }
 
-TEMPLATE_TEST_CASE("B22: a segment driven through zero length stays finite", "[constraint][hard]", Xpbd<8>, Jacobi<8>,
-                   DirectBanded<2>) {
+TEMPLATE_TEST_CASE("B22: a segment driven through zero length stays finite", "[constraint][hard]",
+                   Xpbd<8>, Jacobi<8>, DirectBanded<2>) {
   using Body = With<Rod, TestType>;
   RodAssembly<Body> rod;
   add_thread(rod, straight({{0, 0.1, 0}}, {{0.02, 0.1, 0}}, 5), soft);
@@ -76,32 +79,36 @@ TEMPLATE_TEST_CASE("B23: a straight joint at rest feels nothing", "[bend][hard]"
   Vec3<double> const dir = direction(vec(0.3, -0.5, 0.8));
   RodAssembly<Body> rod;
   Line points;
-  for (int i = 0; i < 3; ++i) points.push_back(double(i) * (1.0 / 512) * vec(1.0, -2.0, 4.0));  // exact in binary
+  for (int i = 0; i < 3; ++i)
+    points.push_back(double(i) * (1.0 / 512) * vec(1.0, -2.0, 4.0));  // exact in binary
   add_thread(rod, points, soft);
   Rig<Body, TestType> rig(rod);
   auto const before = rig.x(2);
   for (int s = 0; s < 50; ++s) rig.step(1e-3, 0.0);
   CHECK(norm(rig.x(2) - before) <= 4 * epsilon<TestType> * norm(before));
-  CHECK(std::abs(rig.store.template get<instance<Bend>::Multiplier>(0, 0)) <= 1e-6 * soft.bending_stiffness());
+  CHECK(std::abs(rig.store.template get<instance<Bend>::Multiplier>(0, 0)) <=
+        1e-6 * soft.bending_stiffness());
   CHECK(norm(dir) == Approx(1.0));
 }
 
-TEMPLATE_TEST_CASE("B23: a straight joint that wants to bend leaves the straight line", "[bend][hard]", Xpbd<10>,
-                   Jacobi<40>, DirectBanded<3>) {
+TEMPLATE_TEST_CASE("B23: a straight joint that wants to bend leaves the straight line",
+                   "[bend][hard]", Xpbd<10>, Jacobi<40>, DirectBanded<3>) {
   using Body = With<Rod, TestType>;
   double const l = 3e-3, wanted = pi<double> / 2;
   for (double noise : {0.0, 1e-9}) {
     auto run = [&] {
       mpmpbd::testing::Samples samples(21);
       RodAssembly<Body> rod;
-      for (auto const& p : joint(l, 0.0)) rod.add_bead(p + noise * l * samples.matrix<3>(-1.0, 1.0), 2e-5);
+      for (auto const& p : joint(l, 0.0))
+        rod.add_bead(p + noise * l * samples.matrix<3>(-1.0, 1.0), 2e-5);
       rod.template add<Distance>({0, 1}, {l, 0.0});
       rod.template add<Distance>({1, 2}, {l, 0.0});
       rod.template add<Bend>({0, 1, 2}, {wanted, soft.bend_compliance(l)});
       Rig<Body> rig(rod);
       for (int s = 0; s < 3000; ++s) {
         rig.step(1e-3, 0.0);
-        for (std::int64_t b = 0; b < 3; ++b) rig.store.template set<bead::Velocity>(0, b, 0.98 * rig.v(b));
+        for (std::int64_t b = 0; b < 3; ++b)
+          rig.store.template set<bead::Velocity>(0, b, 0.98 * rig.v(b));
       }
       return rig;
     };
@@ -112,8 +119,9 @@ TEMPLATE_TEST_CASE("B23: a straight joint that wants to bend leaves the straight
   }
 }
 
-TEMPLATE_TEST_CASE("B24: a folded joint opens", "[bend][hard]", (std::pair<Xpbd<10>, float>), (std::pair<Xpbd<10>, double>),
-                   (std::pair<Jacobi<40>, double>), (std::pair<DirectBanded<3>, float>), (std::pair<DirectBanded<3>, double>)) {
+TEMPLATE_TEST_CASE("B24: a folded joint opens", "[bend][hard]", (std::pair<Xpbd<10>, float>),
+                   (std::pair<Xpbd<10>, double>), (std::pair<Jacobi<40>, double>),
+                   (std::pair<DirectBanded<3>, float>), (std::pair<DirectBanded<3>, double>)) {
   using Body = With<Rod, typename TestType::first_type>;
   using T = typename TestType::second_type;
   double const l = 3e-3;
@@ -123,10 +131,12 @@ TEMPLATE_TEST_CASE("B24: a folded joint opens", "[bend][hard]", (std::pair<Xpbd<
   rig.store.template set<bead::Position>(0, 2, rig.x(0));  // antiparallel, exactly
   // The torque of a fold is pi EI/l, not more.
   rig.project(1e-9);
-  CHECK(std::abs(double(rig.store.template get<instance<Bend>::Multiplier>(0, 0))) == Approx(pi<double> * soft.bending_stiffness() / l).epsilon(1e-5));
+  CHECK(std::abs(double(rig.store.template get<instance<Bend>::Multiplier>(0, 0))) ==
+        Approx(pi<double> * soft.bending_stiffness() / l).epsilon(1e-5));
   for (int s = 0; s < 3000; ++s) {
     rig.step(1e-3, 0.0);
-    for (std::int64_t b = 0; b < 3; ++b) rig.store.template set<bead::Velocity>(0, b, T(0.98) * rig.v(b));
+    for (std::int64_t b = 0; b < 3; ++b)
+      rig.store.template set<bead::Velocity>(0, b, T(0.98) * rig.v(b));
     REQUIRE(rig.finite());
   }
   CHECK(turn_at(rig, 1) < 1e-2);
@@ -138,8 +148,10 @@ TEST_CASE("B26: long inextensible chains with one iteration", "[constraint][hard
     double const l = 2e-3, h = 1.0 / 1000;
     auto const line = straight({{0, 0, 0}}, {{l * links, 0, 0}}, links + 1);
     Rig<With<Stretch, Xpbd<1>>> seidel(chain<With<Stretch, Xpbd<1>>>(line, 2e-6, 0.0));
-    Rig<With<Stretch, DirectBanded<1>>> once(chain<With<Stretch, DirectBanded<1>>>(line, 2e-6, 0.0));
-    Rig<With<Stretch, DirectBanded<4>>> direct(chain<With<Stretch, DirectBanded<4>>>(line, 2e-6, 0.0));
+    Rig<With<Stretch, DirectBanded<1>>> once(
+        chain<With<Stretch, DirectBanded<1>>>(line, 2e-6, 0.0));
+    Rig<With<Stretch, DirectBanded<4>>> direct(
+        chain<With<Stretch, DirectBanded<4>>>(line, 2e-6, 0.0));
     for (int s = 0; s < 100; ++s) seidel.step(h), once.step(h), direct.step(h);
     CHECK(seidel.finite());
     CHECK(seidel.length() / (l * links) - 1 < 0.449);
@@ -152,13 +164,15 @@ TEST_CASE("B26: long inextensible chains with one iteration", "[constraint][hard
   }
 }
 
-TEMPLATE_TEST_CASE("B26: any compliance from 1e-12 to 1e6", "[constraint][hard]", (std::pair<Xpbd<20>, float>),
-                   (std::pair<Xpbd<20>, double>), (std::pair<DirectBanded<2>, float>), (std::pair<DirectBanded<2>, double>)) {
+TEMPLATE_TEST_CASE("B26: any compliance from 1e-12 to 1e6", "[constraint][hard]",
+                   (std::pair<Xpbd<20>, float>), (std::pair<Xpbd<20>, double>),
+                   (std::pair<DirectBanded<2>, float>), (std::pair<DirectBanded<2>, double>)) {
   using Body = With<Stretch, typename TestType::first_type>;
   double free_fall = 0;
   double before = 0;
   for (double a : {0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6}) {
-    Rig<Body, typename TestType::second_type> rig(chain<Body>(straight({{0, 0, 0.2}}, {{0, 0, 0.1}}, 11), 0.004, a));
+    Rig<Body, typename TestType::second_type> rig(
+        chain<Body>(straight({{0, 0, 0.2}}, {{0, 0, 0.1}}, 11), 0.004, a));
     for (int s = 0; s < 200; ++s) rig.step(1e-3);
     CHECK(rig.finite());
     double const sag = rig.length() - 0.1;
@@ -172,8 +186,8 @@ TEMPLATE_TEST_CASE("B26: any compliance from 1e-12 to 1e6", "[constraint][hard]"
 }
 
 // Both ends held 10 % too far apart, then one let go: no faster than elastic waves make it.
-TEMPLATE_TEST_CASE("B26: an over-constrained rod is bounded and lets go gently", "[constraint][hard]", Xpbd<20>, Jacobi<60>,
-                   DirectBanded<2>) {
+TEMPLATE_TEST_CASE("B26: an over-constrained rod is bounded and lets go gently",
+                   "[constraint][hard]", Xpbd<20>, Jacobi<60>, DirectBanded<2>) {
   using Body = With<Rod, TestType>;
   RodAssembly<Body> rod;
   add_thread(rod, straight({{0, 0, 0}}, {{0.04, 0, 0}}, 21), soft);
@@ -194,7 +208,8 @@ TEMPLATE_TEST_CASE("B26: an over-constrained rod is bounded and lets go gently",
   }
   CHECK(least > 0.0);
   CHECK(most <= tension * (1 + 1e-6));
-  if constexpr (std::is_same_v<TestType, DirectBanded<2>>) CHECK(least == Approx(tension).epsilon(1e-6));
+  if constexpr (std::is_same_v<TestType, DirectBanded<2>>)
+    CHECK(least == Approx(tension).epsilon(1e-6));
   double const half_segment = soft.line_density() * 0.04 / 40;
   rig.store.template set<bead::InverseMass>(0, 20, 1 / half_segment);
   double fastest = 0;
@@ -207,7 +222,8 @@ TEMPLATE_TEST_CASE("B26: an over-constrained rod is bounded and lets go gently",
   CHECK(rig.finite());
   CHECK(fastest <= 0.1 * wave);
 }
-TEMPLATE_TEST_CASE("B26: a rigid over-constrained chain is bounded", "[constraint][hard]", Xpbd<20>, Jacobi<20>, DirectBanded<2>) {
+TEMPLATE_TEST_CASE("B26: a rigid over-constrained chain is bounded", "[constraint][hard]", Xpbd<20>,
+                   Jacobi<20>, DirectBanded<2>) {
   using Body = With<Stretch, TestType>;
   for (double noise : {0.0, 1e-12, 1e-9, 1e-6, 1e-3}) {
     mpmpbd::testing::Samples samples(31);
@@ -225,20 +241,24 @@ TEMPLATE_TEST_CASE("B26: a rigid over-constrained chain is bounded", "[constrain
   }
 }
 
-TEMPLATE_TEST_CASE("B27: nothing moves what cannot move", "[constraint][bend][hard]", Xpbd<5>, Jacobi<5>, DirectBanded<2>) {
+TEMPLATE_TEST_CASE("B27: nothing moves what cannot move", "[constraint][bend][hard]", Xpbd<5>,
+                   Jacobi<5>, DirectBanded<2>) {
   using Body = With<Rod, TestType>;
   auto make = [](auto const& hold, double compliance) {
     RodAssembly<Body> rod;
     auto const line = straight({{0.1, 0, 0}}, {{0.13, 0.01, 0.02}}, 9);
     for (auto const& p : line) rod.add_bead(p, 3e-5);
     double const l = norm(line[1] - line[0]);
-    for (std::int64_t b = 0; b < 8; ++b) rod.template add<Distance>({b, b + 1}, {1.3 * l, compliance});
-    for (std::int64_t b = 1; b < 8; ++b) rod.template add<Bend>({b - 1, b, b + 1}, {0.5, compliance});
+    for (std::int64_t b = 0; b < 8; ++b)
+      rod.template add<Distance>({b, b + 1}, {1.3 * l, compliance});
+    for (std::int64_t b = 1; b < 8; ++b)
+      rod.template add<Bend>({b - 1, b, b + 1}, {0.5, compliance});
     for (auto b : hold) rod.prescribe(b);
     return Rig<Body>(rod);
   };
   for (double compliance : {0.0, 1e-3}) {
-    auto all = make(std::array<std::int64_t, 9>{0, 1, 2, 3, 4, 5, 6, 7, 8}, compliance), untouched = all;
+    auto all = make(std::array<std::int64_t, 9>{0, 1, 2, 3, 4, 5, 6, 7, 8}, compliance),
+         untouched = all;
     for (int s = 0; s < 20; ++s) all.step(1e-3);
     CHECK(same(all, untouched));
     CHECK(all.faults == 0);

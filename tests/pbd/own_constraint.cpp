@@ -64,10 +64,10 @@ template <int mistake> struct Wrong : Distance {
     e.value = right.value;
     gradient<0>(e) = gradient<0>(right);
     gradient<1>(e) = gradient<1>(right);
-    if (mistake == 1) gradient<1>(e) *= T(2);                            // gradient of something else
-    if (mistake == 2) e.value[0] = norm(get<1>(x)) - k.rest_length;      // depends on the place
+    if (mistake == 1) gradient<1>(e) *= T(2);                        // gradient of something else
+    if (mistake == 2) e.value[0] = norm(get<1>(x)) - k.rest_length;  // depends on the place
     if (mistake == 3) gradient<0>(e) *= T(-1), gradient<1>(e) *= T(-1);  // the wrong way
-    if (mistake == 4) {                                                  // no direction at zero length
+    if (mistake == 4) {  // no direction at zero length
       auto const d = get<1>(x) - get<0>(x);
       gradient<1>(e) = transpose(T(1) / norm(d) * d);
     }
@@ -98,7 +98,8 @@ TEST_CASE("the constraint of the page keeps the laws and works", "[constraint][d
 
 TEST_CASE("the page shows the code that is compiled here", "[constraint][doc]") {
   auto const source = slurp(here());
-  auto const from = source.find("// [doc: constraint]\n") + std::string("// [doc: constraint]\n").size();
+  auto const from =
+      source.find("// [doc: constraint]\n") + std::string("// [doc: constraint]\n").size();
   auto const code = source.substr(from, source.find("// [end]") - from);
   auto const folder = here().substr(0, here().rfind("tests/"));
   auto const page = slurp(folder + "docs/concepts/constraint.md");

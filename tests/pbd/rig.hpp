@@ -35,7 +35,9 @@ template <class Body, class T = double, class Team = Solo> class Rig {
  public:
   using Store = State<T, typename Body::AllFields>;
 
-  explicit Rig(RodAssembly<Body> const& rod, VisitOrder order = VisitOrder::coloured, Team team = {}) : team_(team) {
+  explicit Rig(RodAssembly<Body> const& rod, VisitOrder order = VisitOrder::coloured,
+               Team team = {})
+      : team_(team) {
     for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D>) {
       for (auto const& c : rod.capacity())
         if (c.domain == D::name.view()) store.template table<D>().resize(1, c.slots);
@@ -97,7 +99,8 @@ template <class Body> RodAssembly<Body> chain(Line const& points, double mass, d
   RodAssembly<Body> rod;
   for (auto const& p : points) rod.add_bead(p, mass);
   for (std::int64_t b = 0; b + 1 < rod.beads(); ++b)
-    rod.template add<Distance>({b, b + 1}, {norm(rod.position(b + 1) - rod.position(b)), compliance});
+    rod.template add<Distance>({b, b + 1},
+                               {norm(rod.position(b + 1) - rod.position(b)), compliance});
   rod.prescribe(0);
   return rod;
 }

@@ -17,10 +17,12 @@ using Rod = Constraints<Distance, Bend>;
 RodMaterial const soft{3e6, 0.8e-3, 1100};
 
 // A thread that zigzags a little, with velocities and two free ends or a fixed one.
-template <class Body> RodAssembly<Body> crooked(int beads, bool hold, RestShape rest = RestShape::straight) {
+template <class Body>
+RodAssembly<Body> crooked(int beads, bool hold, RestShape rest = RestShape::straight) {
   mpmpbd::testing::Samples samples(7);
   Line points;
-  for (int i = 0; i < beads; ++i) points.push_back(vec(5e-3 * i, 0.0, 0.0) + 1e-3 * samples.matrix<3>(-1.0, 1.0));
+  for (int i = 0; i < beads; ++i)
+    points.push_back(vec(5e-3 * i, 0.0, 0.0) + 1e-3 * samples.matrix<3>(-1.0, 1.0));
   RodAssembly<Body> rod;
   add_thread(rod, points, soft, rest);
   if (hold) rod.prescribe(0);
@@ -30,7 +32,8 @@ template <class Body, class T, class Team> void shake(Rig<Body, T, Team>& rig, d
   mpmpbd::testing::Samples samples(3);
   for (std::int64_t b = 0; b < rig.beads(); ++b) {
     auto const v = cast<T>(speed * samples.matrix<3>(-1.0, 1.0));
-    if (rig.store.template get<bead::InverseMass>(0, b) > 0) rig.store.template set<bead::Velocity>(0, b, v);
+    if (rig.store.template get<bead::InverseMass>(0, b) > 0)
+      rig.store.template set<bead::Velocity>(0, b, v);
   }
 }
 template <class A, class B> double distance(A const& a, B const& b) {
@@ -59,12 +62,16 @@ TEST_CASE("solvers agree at convergence where the problem is linear", "[constrai
   CHECK(distance(direct, jacobi) < 1e-9 * moved);
 }
 
-TEST_CASE("solvers agree at convergence on a bent rod as far as gradients turn", "[constraint][bend][solver]") {
+TEST_CASE("solvers agree at convergence on a bent rod as far as gradients turn",
+          "[constraint][bend][solver]") {
   // Each correction uses its own gradient, so paths differ by the square of the turn within a substep.
   auto gap = [](double speed) {
-    Rig<With<Rod, DirectBanded<8>>> direct(crooked<With<Rod, DirectBanded<8>>>(12, true, RestShape::as_placed));
-    Rig<With<Rod, Xpbd<4000>>> seidel(crooked<With<Rod, Xpbd<4000>>>(12, true, RestShape::as_placed));
-    Rig<With<Rod, Jacobi<12000>>> jacobi(crooked<With<Rod, Jacobi<12000>>>(12, true, RestShape::as_placed));
+    Rig<With<Rod, DirectBanded<8>>> direct(
+        crooked<With<Rod, DirectBanded<8>>>(12, true, RestShape::as_placed));
+    Rig<With<Rod, Xpbd<4000>>> seidel(
+        crooked<With<Rod, Xpbd<4000>>>(12, true, RestShape::as_placed));
+    Rig<With<Rod, Jacobi<12000>>> jacobi(
+        crooked<With<Rod, Jacobi<12000>>>(12, true, RestShape::as_placed));
     shake(direct, speed), shake(seidel, speed), shake(jacobi, speed);
     double const h = 2e-4;
     direct.project(h), seidel.project(h), jacobi.project(h);
@@ -81,7 +88,8 @@ TEST_CASE("solvers agree at convergence on a bent rod as far as gradients turn",
   CHECK(fine < 0.3 * coarse);
 }
 
-TEMPLATE_TEST_CASE("the banded elimination is the dense solve", "[constraint][bend][solver]", Stretch, Rod) {
+TEMPLATE_TEST_CASE("the banded elimination is the dense solve", "[constraint][bend][solver]",
+                   Stretch, Rod) {
   using Body = With<TestType, DirectBanded<1>>;
   double const h = 7e-4;
   for (bool hold : {false, true}) {
@@ -92,14 +100,22 @@ TEMPLATE_TEST_CASE("the banded elimination is the dense solve", "[constraint][be
     Body::predict(Solo{}, env, Tick<double>{h, h, 0});
 
     // The dense system from the same constraints at the predicted positions.
-    struct Row { Eigen::VectorXd gradient; double alpha, value; std::int64_t slot; bool bend; };
+    struct Row {
+      Eigen::VectorXd gradient;
+      double alpha, value;
+      std::int64_t slot;
+      bool bend;
+    };
     std::vector<Row> rows;
     auto const n = 3 * before.beads();
     auto add = [&]<class C>(std::type_identity<C>) {
       for (std::int64_t i = 0; i < env.template live<Instances<C>>(); ++i) {
         auto const one = mpmpbd::detail::load_instance<C>(env, i);
-        Row row{Eigen::VectorXd::Zero(n), one.compliance, one.at.value[0], i, std::is_same_v<C, Bend>};
-        auto put = [&](int p, auto const& g) { for (int a = 0; a < 3; ++a) row.gradient(3 * one.beads[p] + a) = g[a]; };
+        Row row{Eigen::VectorXd::Zero(n), one.compliance, one.at.value[0], i,
+                std::is_same_v<C, Bend>};
+        auto put = [&](int p, auto const& g) {
+          for (int a = 0; a < 3; ++a) row.gradient(3 * one.beads[p] + a) = g[a];
+        };
         put(0, gradient<0>(one.at));
         put(1, gradient<1>(one.at));
         if constexpr (point_count<C> == 3) put(2, gradient<2>(one.at));
@@ -117,8 +133,11 @@ TEMPLATE_TEST_CASE("the banded elimination is the dense solve", "[constraint][be
     auto const m = static_cast<Eigen::Index>(rows.size());
     Eigen::MatrixXd J(m, n), A(m, m);
     Eigen::VectorXd w(n), r(m);
-    for (std::int64_t b = 0; b < before.beads(); ++b) w.segment<3>(3 * b).setConstant(env.template get<bead::InverseMass>(b));
-    for (Eigen::Index i = 0; i < m; ++i) J.row(i) = rows[static_cast<std::size_t>(i)].gradient, r(i) = -rows[static_cast<std::size_t>(i)].value;
+    for (std::int64_t b = 0; b < before.beads(); ++b)
+      w.segment<3>(3 * b).setConstant(env.template get<bead::InverseMass>(b));
+    for (Eigen::Index i = 0; i < m; ++i)
+      J.row(i) = rows[static_cast<std::size_t>(i)].gradient,
+      r(i) = -rows[static_cast<std::size_t>(i)].value;
     A = h * h * J * w.asDiagonal() * J.transpose();
     for (Eigen::Index i = 0; i < m; ++i) A(i, i) += rows[static_cast<std::size_t>(i)].alpha;
     Eigen::VectorXd const f = A.ldlt().solve(r);
@@ -131,7 +150,8 @@ TEMPLATE_TEST_CASE("the banded elimination is the dense solve", "[constraint][be
       if (row.slot < 0) continue;
       double got = 0;
       if constexpr (TestType::template has<Bend>) {
-        got = row.bend ? rig.store.template get<instance<Bend>::Multiplier>(0, row.slot) : rig.store.template get<instance<Distance>::Multiplier>(0, row.slot);
+        got = row.bend ? rig.store.template get<instance<Bend>::Multiplier>(0, row.slot)
+                       : rig.store.template get<instance<Distance>::Multiplier>(0, row.slot);
       } else {
         got = rig.store.template get<instance<Distance>::Multiplier>(0, row.slot);
       }
@@ -139,7 +159,8 @@ TEMPLATE_TEST_CASE("the banded elimination is the dense solve", "[constraint][be
     }
     for (std::int64_t b = 0; b < rig.beads(); ++b)
       for (int a = 0; a < 3; ++a)
-        worst_move = std::max(worst_move, std::abs(rig.x(b)[a] - before.x(b)[a] - move(3 * b + a)) / move.cwiseAbs().maxCoeff());
+        worst_move = std::max(worst_move, std::abs(rig.x(b)[a] - before.x(b)[a] - move(3 * b + a)) /
+                                              move.cwiseAbs().maxCoeff());
     INFO("forces " << worst_force << ", displacements " << worst_move);
     CHECK(worst_force < 1e-10);
     CHECK(worst_move < 1e-10);
@@ -156,8 +177,8 @@ TEST_CASE("the band is as narrow as the chain allows", "[constraint][solver]") {
   STATIC_REQUIRE(Chain<rows_t<Rod>>::half_band == 7);
 }
 
-TEMPLATE_TEST_CASE("bits do not depend on the number of lanes", "[constraint][bend][solver]", Xpbd<6>, Jacobi<6>,
-                   DirectBanded<2>, SmallSteps<3>) {
+TEMPLATE_TEST_CASE("bits do not depend on the number of lanes", "[constraint][bend][solver]",
+                   Xpbd<6>, Jacobi<6>, DirectBanded<2>, SmallSteps<3>) {
   auto run = [](auto team) {
     using Body = With<Rod, TestType>;
     Rig<Body, float, decltype(team)> rig(crooked<Body>(23, true), VisitOrder::coloured, team);
@@ -169,35 +190,41 @@ TEMPLATE_TEST_CASE("bits do not depend on the number of lanes", "[constraint][be
   for (int lanes : {2, 7, 32}) {
     auto const shared = run(Lanes{lanes});
     bool same = true;
-    for (std::int64_t b = 0; b < alone.beads(); ++b) same = same && alone.x(b) == shared.x(b) && alone.v(b) == shared.v(b);
+    for (std::int64_t b = 0; b < alone.beads(); ++b)
+      same = same && alone.x(b) == shared.x(b) && alone.v(b) == shared.v(b);
     CHECK(same);
   }
 }
 
-TEMPLATE_TEST_CASE("a free rod keeps its momentum", "[constraint][bend][solver]", Xpbd<5>, Jacobi<5>, DirectBanded<2>) {
+TEMPLATE_TEST_CASE("a free rod keeps its momentum", "[constraint][bend][solver]", Xpbd<5>,
+                   Jacobi<5>, DirectBanded<2>) {
   using Body = With<Rod, TestType>;
   Rig<Body> rig(crooked<Body>(15, false));
   shake(rig, 0.3);
   auto momentum = [&] {
     Vec3<double> p{};
-    for (std::int64_t b = 0; b < rig.beads(); ++b) p += 1 / rig.store.template get<bead::InverseMass>(0, b) * rig.v(b);
+    for (std::int64_t b = 0; b < rig.beads(); ++b)
+      p += 1 / rig.store.template get<bead::InverseMass>(0, b) * rig.v(b);
     return p;
   };
   double scale = 0;
-  for (std::int64_t b = 0; b < rig.beads(); ++b) scale += norm(rig.v(b)) / rig.store.template get<bead::InverseMass>(0, b);
+  for (std::int64_t b = 0; b < rig.beads(); ++b)
+    scale += norm(rig.v(b)) / rig.store.template get<bead::InverseMass>(0, b);
   auto const before = momentum();
   for (int s = 0; s < 100; ++s) rig.step(3e-4, 0.0);
   CHECK(norm(momentum() - before) < 1e-10 * scale);
 }
 
-TEST_CASE("mass splitting is stable where every bead has many constraints", "[constraint][solver]") {
+TEST_CASE("mass splitting is stable where every bead has many constraints",
+          "[constraint][solver]") {
   // A complete graph of 9 beads: each is in 8 constraints at once. Jacobi without splitting overshoots.
   using Body = With<Stretch, Jacobi<4>>;
   mpmpbd::testing::Samples samples(5);
   RodAssembly<Body> rod;
   for (int i = 0; i < 9; ++i) rod.add_bead(3e-3 * samples.matrix<3>(-1.0, 1.0), 2e-5);
   for (std::int64_t i = 0; i < 9; ++i)
-    for (std::int64_t j = 0; j < i; ++j) rod.add<Distance>({i, j}, {1.1 * norm(rod.position(i) - rod.position(j)), 0.0});
+    for (std::int64_t j = 0; j < i; ++j)
+      rod.add<Distance>({i, j}, {1.1 * norm(rod.position(i) - rod.position(j)), 0.0});
   Rig<Body> rig(rod);
   double before = 1e300;
   for (int s = 0; s < 30; ++s) {
@@ -210,19 +237,22 @@ TEST_CASE("mass splitting is stable where every bead has many constraints", "[co
   CHECK(before < 1e-6);
 }
 
-TEMPLATE_TEST_CASE("inequalities push and never pull", "[constraint][solver]", Xpbd<30>, Jacobi<200>) {
+TEMPLATE_TEST_CASE("inequalities push and never pull", "[constraint][solver]", Xpbd<30>,
+                   Jacobi<200>) {
   using Body = With<Constraints<Distance, MinimumDistance, HalfSpace>, TestType>;
   double const floor = -0.011;
   RodAssembly<Body> rod;
   RodMaterial const m{2e7, 1e-3, 1100};
   add_thread(rod, straight({{0.0, 0.0, 0.004}}, {{0.03, 0.0, 0.004}}, 7), m);
-  for (std::int64_t b = 0; b < 7; ++b) rod.template add<HalfSpace>({b}, {0.0, 0.0, 3.0, floor, 0.0});
+  for (std::int64_t b = 0; b < 7; ++b)
+    rod.template add<HalfSpace>({b}, {0.0, 0.0, 3.0, floor, 0.0});
   rod.template add<MinimumDistance>({0, 6}, {0.025, 0.0});
   Rig<Body> rig(rod);
   for (int s = 0; s < 20; ++s) rig.step(1e-3);
   // In flight nothing touches, and the fall is that of free beads.
   CHECK(rig.x(3)[2] == Approx(0.004 - gravity * 1e-6 * 20 * 21 / 2).epsilon(1e-9));
-  for (std::int64_t i = 0; i < 7; ++i) CHECK(rig.store.template get<instance<HalfSpace>::Multiplier>(0, i) == 0.0);
+  for (std::int64_t i = 0; i < 7; ++i)
+    CHECK(rig.store.template get<instance<HalfSpace>::Multiplier>(0, i) == 0.0);
   for (int s = 0; s < 400; ++s) rig.step(1e-3);
   double weight = 0, carried = 0;
   for (std::int64_t b = 0; b < 7; ++b) {
@@ -259,11 +289,14 @@ TEST_CASE("constraints that a coupling takes are left out", "[constraint][solver
   Body::solve<TypeList<Distance>>(Solo{}, env, tick);
   CHECK(rig.residual<Bend>() < 1e-6);
   CHECK(rig.residual<Distance>() > 0.5 * stretched);
-  for (std::int64_t i = 0; i < rig.beads() - 1; ++i) CHECK(rig.store.get<instance<Distance>::Multiplier>(0, i) == 0.0);
+  for (std::int64_t i = 0; i < rig.beads() - 1; ++i)
+    CHECK(rig.store.get<instance<Distance>::Multiplier>(0, i) == 0.0);
   // As velocity changes: beads stay where they were.
   Body::finish_as_velocity(Solo{}, env, tick);
-  for (std::int64_t b = 0; b < rig.beads(); ++b) CHECK(rig.x(b) == start[static_cast<std::size_t>(b)]);
-  STATIC_REQUIRE(std::is_same_v<without_t<TypeList<Distance, Bend>, TypeList<Distance>>, TypeList<Bend>>);
+  for (std::int64_t b = 0; b < rig.beads(); ++b)
+    CHECK(rig.x(b) == start[static_cast<std::size_t>(b)]);
+  STATIC_REQUIRE(
+      std::is_same_v<without_t<TypeList<Distance, Bend>, TypeList<Distance>>, TypeList<Bend>>);
 }
 
 TEST_CASE("a rod stores what its policies declare and nothing else", "[constraint][solver]") {
@@ -271,6 +304,6 @@ TEST_CASE("a rod stores what its policies declare and nothing else", "[constrain
   STATIC_REQUIRE(!contains<With<Rod, Xpbd<2>>::AllFields, bead::Correction>);
   STATIC_REQUIRE(!contains<With<Stretch, Xpbd<2>>::AllFields, instance<Bend>::Index>);
   STATIC_REQUIRE(on_t<With<Stretch, Xpbd<2>>::AllFields, Beads>::count == 4);
-  STATIC_REQUIRE(std::is_same_v<Pbd<Xpbd<3>, Rod>::Set, Rod>);                    // in any order
-  STATIC_REQUIRE(std::is_same_v<Pbd<Rod>::Solver, Xpbd<8>>);                      // with a default
+  STATIC_REQUIRE(std::is_same_v<Pbd<Xpbd<3>, Rod>::Set, Rod>);  // in any order
+  STATIC_REQUIRE(std::is_same_v<Pbd<Rod>::Solver, Xpbd<8>>);    // with a default
 }

@@ -33,7 +33,8 @@ std::pair<double, Eigen::VectorXd> slowest_mode(int N) {
 double period(int N, int steps) {
   auto const [lambda, shape] = slowest_mode(N);
   double const T = 2 * pi<double> / std::sqrt(lambda * gravity / (length / N)), h = T / steps;
-  auto rod = chain<Body>(straight({{0.1, 0.2, 0.5}}, {{0.1, 0.2, 0.5 - length}}, N + 1), 0.003, 0.0);
+  auto rod =
+      chain<Body>(straight({{0.1, 0.2, 0.5}}, {{0.1, 0.2, 0.5 - length}}, N + 1), 0.003, 0.0);
   Rig<Body> rig(rod);
   double const l = length / N;
   V3 at{{0.1, 0.2, 0.5}};
@@ -62,14 +63,19 @@ double period(int N, int steps) {
 }  // namespace
 
 TEST_CASE("A3.3: hanging chains swing with the Laguerre periods", "[constraint][physics]") {
-  struct Row { int beads; double exact; };
+  struct Row {
+    int beads;
+    double exact;
+  };
   double const continuous = 5.225481147;
   double previous_error = 0;
-  for (auto const [N, exact] : {Row{5, 5.473370578}, {10, 5.352609358}, {20, 5.289900246}, {50, 5.251462406}}) {
+  for (auto const [N, exact] :
+       {Row{5, 5.473370578}, {10, 5.352609358}, {20, 5.289900246}, {50, 5.251462406}}) {
     CHECK(2 * pi<double> / std::sqrt(slowest_mode(N).first * N) == Approx(exact).epsilon(1e-9));
     // Implicit Euler's period errs with h^2.
     double const coarse = period(N, 300), fine = period(N, 600), limit = (4 * fine - coarse) / 3;
-    INFO("N = " << N << ": " << coarse << ", " << fine << " -> " << limit << ", exact " << exact << ", error " << limit / exact - 1);
+    INFO("N = " << N << ": " << coarse << ", " << fine << " -> " << limit << ", exact " << exact
+                << ", error " << limit / exact - 1);
     CHECK(std::abs(limit / exact - 1) < 1e-3);
     double const error = limit - continuous;
     if (N == 10 || N == 20) {

@@ -23,7 +23,8 @@ template <class T> double torque(double turn) {
 TEST_CASE("A3.19: torque of a small angle in float", "[bend][physics]") {
   double const stiffness = nylon.bending_stiffness() / 2e-3;
   for (double turn : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
-    double const in_float = torque<float>(turn) / (stiffness * turn) - 1, in_double = torque<double>(turn) / (stiffness * turn) - 1;
+    double const in_float = torque<float>(turn) / (stiffness * turn) - 1,
+                 in_double = torque<double>(turn) / (stiffness * turn) - 1;
     INFO("turn " << turn << ": float " << in_float << ", double " << in_double);
     CHECK(std::abs(in_float) < 1e-2);
     CHECK(std::abs(in_double) < 1e-8);

@@ -9,7 +9,8 @@
 using namespace rods;
 
 namespace {
-template <class Body, class T = double> double stretch(int substeps, double tip_mass, VisitOrder order) {
+template <class Body, class T = double>
+double stretch(int substeps, double tip_mass, VisitOrder order) {
   int const N = 50;
   double const length = 1.0, m = 0.02, dt = 1.0 / 60 / substeps;
   auto rod = chain<Body>(straight({{0.3, 0.2, 0.1}}, {{0.3 + length, 0.2, 0.1}}, N + 1), m, 0.0);
@@ -25,11 +26,15 @@ template <class Body, class T = double> double stretch(int substeps, double tip_
 template <int n> struct Iterated : Pbd<Constraints<Distance>, Xpbd<n>> {};
 struct Stepped : Pbd<Constraints<Distance>, Xpbd<1>> {};
 
-template <int budget> void row(double tip, double iterated_table, double stepped_table, double least_ratio) {
+template <int budget>
+void row(double tip, double iterated_table, double stepped_table, double least_ratio) {
   for (auto order : {VisitOrder::along, VisitOrder::coloured}) {
-    double const iterated = stretch<Iterated<budget>>(1, tip, order), stepped = stretch<Stepped>(budget, tip, order);
-    INFO("budget " << budget << ", tip x " << tip << ", coloured " << (order == VisitOrder::coloured));
-    INFO("iterations " << iterated << " (table " << iterated_table << "), substeps " << stepped << " (table " << stepped_table << ")");
+    double const iterated = stretch<Iterated<budget>>(1, tip, order),
+                 stepped = stretch<Stepped>(budget, tip, order);
+    INFO("budget " << budget << ", tip x " << tip << ", coloured "
+                   << (order == VisitOrder::coloured));
+    INFO("iterations " << iterated << " (table " << iterated_table << "), substeps " << stepped
+                       << " (table " << stepped_table << ")");
     CHECK(iterated == Approx(iterated_table).epsilon(0.02));
     CHECK(stepped == Approx(stepped_table).epsilon(0.02));
     CHECK(stepped <= 1.3 * stepped_table);
@@ -48,7 +53,8 @@ TEST_CASE("A3.4: small steps with a heavy tip", "[constraint][physics]") {
   row<80>(1000, 3.97, 0.077, 8);
   row<80>(1e4, 15.8, 0.62, 8);
 }
-TEST_CASE("A3.4: the scheduling policy is the same as calling small steps", "[constraint][physics]") {
+TEST_CASE("A3.4: the scheduling policy is the same as calling small steps",
+          "[constraint][physics]") {
   struct Small : Pbd<Constraints<Distance>, SmallSteps<20>> {};
   STATIC_REQUIRE(Small::substeps == 20);
   double const by_policy = stretch<Small>(1, 1, VisitOrder::coloured);  // measured once per frame
@@ -58,15 +64,18 @@ TEST_CASE("A3.4: the scheduling policy is the same as calling small steps", "[co
 TEST_CASE("A3.4: the direct solver needs few of either", "[constraint][physics]") {
   struct Twice : Pbd<Constraints<Distance>, DirectBanded<2>> {};
   struct Often : Pbd<Constraints<Distance>, DirectBanded<8>> {};
-  CHECK(stretch<Twice>(1, 1, VisitOrder::coloured) < 1e-3);   // the same frame in which 80 iterations leave 0.122
+  CHECK(stretch<Twice>(1, 1, VisitOrder::coloured) <
+        1e-3);  // the same frame in which 80 iterations leave 0.122
   CHECK(stretch<Twice>(20, 1, VisitOrder::coloured) < 1e-6);
   CHECK(stretch<Twice>(20, 1e4, VisitOrder::coloured) < 1e-6);
   CHECK(stretch<Twice, float>(20, 1, VisitOrder::coloured) < 1e-4);
-  for (double tip : {1.0, 100.0, 1000.0, 1e4}) CHECK(stretch<Often>(1, tip, VisitOrder::coloured) < 1e-4);
+  for (double tip : {1.0, 100.0, 1000.0, 1e4})
+    CHECK(stretch<Often>(1, tip, VisitOrder::coloured) < 1e-4);
 }
 // The limit of a single elimination: directions are those of the prediction, so a taut thread sways off when
 // h^2 T / (m l) exceeds about 1; here it is 1e3 and more. The run stays finite, and the status word says so.
-TEST_CASE("A3.4: one elimination is not enough for a taut thread, and says so", "[constraint][physics]") {
+TEST_CASE("A3.4: one elimination is not enough for a taut thread, and says so",
+          "[constraint][physics]") {
   struct Once : Pbd<Constraints<Distance>, DirectBanded<1>> {};
   auto rod = chain<Once>(straight({{0.3, 0.2, 0.1}}, {{1.3, 0.2, 0.1}}, 51), 0.02, 0.0);
   rod.set_mass(50, 0.02 * 1e4);

@@ -26,8 +26,11 @@ TEST_CASE("A3.1: one spring, one iteration is implicit Euler", "[constraint][phy
     x = x1;
     worst = std::max({worst, std::abs(after_x - x) / 0.05, std::abs(after_v - v) / (0.05 * omega)});
     if (n < 20) {  // while the amplitude is far above rounding
-      double const a = std::hypot(omega * before_x, before_v), b = std::hypot(omega * after_x, after_v);
-      double const turn = std::remainder(std::atan2(-after_v, omega * after_x) - std::atan2(-before_v, omega * before_x), 2 * pi<double>);
+      double const a = std::hypot(omega * before_x, before_v),
+                   b = std::hypot(omega * after_x, after_v);
+      double const turn = std::remainder(
+          std::atan2(-after_v, omega * after_x) - std::atan2(-before_v, omega * before_x),
+          2 * pi<double>);
       worst_decay = std::max(worst_decay, std::abs(b / a * std::sqrt(1 + square(omega * h)) - 1));
       worst_phase = std::max(worst_phase, std::abs(turn - std::atan(omega * h)));
     }
@@ -70,7 +73,8 @@ TEST_CASE("A3.2: the bias of one iteration is the known one", "[constraint][phys
   double const table[3] = {12.4, 1.71, 1.041}, rates[3] = {60, 240, 1000};
   for (int i = 0; i < 3; ++i) {
     double const h = 1 / rates[i], unit = h * h / (1e-3 * 0.02);
-    double const along_chain = sag<Chain1<1>>(h, Sweep::along, 40), coloured = sag<Chain1<1>>(h, Sweep::coloured, 40);
+    double const along_chain = sag<Chain1<1>>(h, Sweep::along, 40),
+                 coloured = sag<Chain1<1>>(h, Sweep::coloured, 40);
     INFO("rate " << rates[i] << ": along " << along_chain << ", coloured " << coloured);
     CHECK(along_chain == Approx(1 + unit * 9 / 11).epsilon(1e-6));
     CHECK(along_chain == Approx(table[i]).epsilon(5e-3));

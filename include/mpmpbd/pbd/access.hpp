@@ -17,7 +17,8 @@ template <class Domain, class View_> struct DomainAccess {
 };
 
 template <class Domain, class View_>
-MPMPBD_HD DomainAccess<Domain, View_> access_domain(View_ const& view, std::int64_t env, std::int64_t live) {
+MPMPBD_HD DomainAccess<Domain, View_> access_domain(View_ const& view, std::int64_t env,
+                                                    std::int64_t live) {
   return {view, env * view.capacity, live};
 }
 
@@ -38,18 +39,23 @@ template <class T, class... Domains> struct EnvironmentAccess : Domains... {
 
  private:
   template <class Domain, class View_>
-  static MPMPBD_HD DomainAccess<Domain, View_> const& part(DomainAccess<Domain, View_> const& d) { return d; }
+  static MPMPBD_HD DomainAccess<Domain, View_> const& part(DomainAccess<Domain, View_> const& d) {
+    return d;
+  }
 };
 
 // One field of an environment as a row: row(slot), row.set(slot, value).
 template <class Env, class F> struct FieldRow {
   Env env;
   MPMPBD_HD auto operator()(std::int64_t slot) const { return env.template get<F>(slot); }
-  MPMPBD_HD void set(std::int64_t slot, value_t<F, typename Env::Scalar> const& v) const { env.template set<F>(slot, v); }
+  MPMPBD_HD void set(std::int64_t slot, value_t<F, typename Env::Scalar> const& v) const {
+    env.template set<F>(slot, v);
+  }
 };
 
 // The domains of a list, all taken from one environment of a store (core/state.hpp).
-template <class Store, class... Ds> auto access_environment(Store& store, std::int64_t env, TypeList<Ds...>) {
+template <class Store, class... Ds>
+auto access_environment(Store& store, std::int64_t env, TypeList<Ds...>) {
   using T = typename Store::Scalar;
   return EnvironmentAccess<T, DomainAccess<Ds, decltype(store.template view<Ds>())>...>{
       access_domain<Ds>(store.template view<Ds>(), env, store.template table<Ds>().live(env))...};

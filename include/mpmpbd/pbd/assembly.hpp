@@ -24,7 +24,7 @@ template <class C> struct InstanceList {
 // The order in which Gauss-Seidel visits the instances of a kind.
 enum class VisitOrder {
   coloured,  // few colours, each of many instances that lanes can share
-  along,     // one by one in the order in which they were added: no parallel work, but the classical sweep
+  along,  // one by one in the order in which they were added: no parallel work, but the classical sweep
 };
 
 // What one environment holds of the rods of `Body` (a Pbd<...>).
@@ -33,8 +33,12 @@ template <class Body> class RodAssembly {
   using Set = typename Body::Set;
 
   std::int64_t beads() const { return static_cast<std::int64_t>(positions_.size()); }
-  template <class C> std::int64_t instances() const { return static_cast<std::int64_t>(of<C>().beads.size()); }
-  Vec3<double> const& position(std::int64_t b) const { return positions_[static_cast<std::size_t>(b)]; }
+  template <class C> std::int64_t instances() const {
+    return static_cast<std::int64_t>(of<C>().beads.size());
+  }
+  Vec3<double> const& position(std::int64_t b) const {
+    return positions_[static_cast<std::size_t>(b)];
+  }
   double inverse_mass(std::int64_t b) const { return inverse_masses_[static_cast<std::size_t>(b)]; }
 
   // Adds a bead: position [m], mass [kg], velocity [m/s]. Returns its number.
@@ -63,13 +67,17 @@ template <class Body> class RodAssembly {
 
   // Adds an instance of constraint C between beads that exist and differ.
   template <class C>
-  void add(std::array<std::int64_t, detail::InstanceList<C>::points> const& beads, parameters_t<C, double> const& k) {
-    static_assert(Set::template has<C>, "mpmpbd RodAssembly: this constraint is not in the rod's set; write it into Constraints<...>");
+  void add(std::array<std::int64_t, detail::InstanceList<C>::points> const& beads,
+           parameters_t<C, double> const& k) {
+    static_assert(
+        Set::template has<C>,
+        "mpmpbd RodAssembly: this constraint is not in the rod's set; write it into Constraints<...>");
     check_parameters<C, double>(k);
     for (auto b : beads) check_bead(C::name.view(), b);
     for (std::size_t i = 0; i < beads.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
-        refuse_if(beads[i] == beads[j], C::name.view(), "acts on bead " + std::to_string(beads[i]) + " twice; give different beads");
+        refuse_if(beads[i] == beads[j], C::name.view(),
+                  "acts on bead " + std::to_string(beads[i]) + " twice; give different beads");
     if constexpr (detail::needs_chain<typename Body::Solver>) check_chain<C>(beads);
     of<C>().beads.push_back(beads);
     of<C>().parameters.push_back(k);
@@ -85,7 +93,8 @@ template <class Body> class RodAssembly {
   }
 
   // Writes everything into environment `env` of a store (core/state.hpp), instances ordered by colour.
-  template <class Store> void write(Store& store, std::int64_t env, VisitOrder visit = VisitOrder::coloured) const {
+  template <class Store>
+  void write(Store& store, std::int64_t env, VisitOrder visit = VisitOrder::coloured) const {
     using T = typename Store::Scalar;
     auto& table = store.template table<Beads>();
     table.set_live(env, beads());
@@ -96,7 +105,8 @@ template <class Body> class RodAssembly {
       table.template set<bead::InverseMass>(env, b, T(inverse_masses_[i]));
       table.template set<bead::Previous>(env, b, cast<T>(positions_[i]));
     }
-    for_each_type(typename Set::List{}, [&]<class C>(std::type_identity<C>) { write_instances<C>(store, env, visit); });
+    for_each_type(typename Set::List{},
+                  [&]<class C>(std::type_identity<C>) { write_instances<C>(store, env, visit); });
   }
 
  private:
@@ -108,19 +118,29 @@ template <class Body> class RodAssembly {
   template <class C> auto const& of() const { return static_cast<Held<C> const&>(all_).list; }
 
   static void refuse_if(bool bad, std::string_view owner, std::string const& sentence) {
-    if (bad) throw std::invalid_argument("mpmpbd RodAssembly, " + std::string(owner) + ": " + sentence);
+    if (bad)
+      throw std::invalid_argument("mpmpbd RodAssembly, " + std::string(owner) + ": " + sentence);
   }
   void check_bead(std::string_view owner, std::int64_t b) const {
-    refuse_if(b < 0 || b >= beads(), owner, "bead " + std::to_string(b) + " does not exist; the rod has beads 0 to " + std::to_string(beads() - 1));
+    refuse_if(b < 0 || b >= beads(), owner,
+              "bead " + std::to_string(b) + " does not exist; the rod has beads 0 to " +
+                  std::to_string(beads() - 1));
   }
-  template <class C> void check_chain(std::array<std::int64_t, detail::InstanceList<C>::points> const& beads) const {
+  template <class C>
+  void check_chain(std::array<std::int64_t, detail::InstanceList<C>::points> const& beads) const {
     for (std::size_t i = 1; i < beads.size(); ++i)
-      refuse_if(beads[i] != beads[i - 1] + 1, C::name.view(), "beads " + std::to_string(beads[i - 1]) + ", " + std::to_string(beads[i]) + " do not follow each other, which the direct banded solver needs; number the beads along the thread, or take Xpbd<8>");
+      refuse_if(
+          beads[i] != beads[i - 1] + 1, C::name.view(),
+          "beads " + std::to_string(beads[i - 1]) + ", " + std::to_string(beads[i]) +
+              " do not follow each other, which the direct banded solver needs; number the beads along the thread, or take Xpbd<8>");
     for (auto const& other : of<C>().beads)
-      refuse_if(other[0] == beads[0], C::name.view(), "given twice at bead " + std::to_string(beads[0]) + "; the direct banded solver takes one per bead");
+      refuse_if(other[0] == beads[0], C::name.view(),
+                "given twice at bead " + std::to_string(beads[0]) +
+                    "; the direct banded solver takes one per bead");
   }
 
-  template <class C, class Store> void write_instances(Store& store, std::int64_t env, VisitOrder visit) const {
+  template <class C, class Store>
+  void write_instances(Store& store, std::int64_t env, VisitOrder visit) const {
     using T = typename Store::Scalar;
     using Its = instance<C>;
     auto const& list = of<C>();
@@ -128,7 +148,8 @@ template <class Body> class RodAssembly {
     if (visit == VisitOrder::along) std::iota(colours.begin(), colours.end(), 0);
     std::vector<std::size_t> order(list.beads.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return colours[a] < colours[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return colours[a] < colours[b]; });
     auto& table = store.template table<Instances<C>>();
     table.set_live(env, static_cast<std::int64_t>(order.size()));
     std::int64_t end = static_cast<std::int64_t>(order.size());
@@ -138,14 +159,19 @@ template <class Body> class RodAssembly {
       if (slot + 1 < order.size() && colours[from] != colours[order[slot + 1]]) end = s + 1;
       table.template set<typename Its::ColourEnd>(env, s, end);
       typename Its::Index::Shape::template Value<T> index{};
-      if constexpr (Its::Index::components == 1) index = list.beads[from][0];
-      else for (std::size_t i = 0; i < list.beads[from].size(); ++i) index[static_cast<int>(i)] = list.beads[from][i];
+      if constexpr (Its::Index::components == 1)
+        index = list.beads[from][0];
+      else
+        for (std::size_t i = 0; i < list.beads[from].size(); ++i)
+          index[static_cast<int>(i)] = list.beads[from][i];
       table.template set<typename Its::Index>(env, s, index);
-      if constexpr (parameter_count<C> > 0) {
+      if constexpr (parameter_count < C >> 0) {
         auto const* numbers = reinterpret_cast<double const*>(&list.parameters[from]);
         value_t<typename Its::Parameters, T> flat{};
-        if constexpr (parameter_count<C> == 1) flat = T(numbers[0]);
-        else for (int i = 0; i < static_cast<int>(parameter_count<C>); ++i) flat[i] = T(numbers[i]);
+        if constexpr (parameter_count<C> == 1)
+          flat = T(numbers[0]);
+        else
+          for (int i = 0; i < static_cast<int>(parameter_count<C>); ++i) flat[i] = T(numbers[i]);
         table.template set<typename Its::Parameters>(env, s, flat);
       }
       table.template set<typename Its::Multiplier>(env, s, {});

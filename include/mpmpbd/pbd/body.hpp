@@ -14,16 +14,19 @@ struct NoConstraints {
 };
 
 template <class List> inline constexpr bool all_along_chain = true;
-template <class... Cs> inline constexpr bool all_along_chain<TypeList<Cs...>> = (is_along_chain<Cs> && ...);
+template <class... Cs>
+inline constexpr bool all_along_chain<TypeList<Cs...>> = (is_along_chain<Cs> && ...);
 
-template <class S> inline constexpr bool needs_chain = [] {
+template <class S>
+inline constexpr bool needs_chain = [] {
   if constexpr (requires { S::needs_chain; }) {
     return S::needs_chain;
   } else {
     return false;
   }
 }();
-template <class S> inline constexpr int substeps_of = [] {
+template <class S>
+inline constexpr int substeps_of = [] {
   if constexpr (requires { S::substeps; }) {
     return S::substeps;
   } else {
@@ -33,32 +36,50 @@ template <class S> inline constexpr int substeps_of = [] {
 
 template <class... Ps> struct PbdPolicies {
   template <class Role> static constexpr int count = count_role<Role, Ps...>;
-  static_assert(count<role::ConstraintSet> > 0, "mpmpbd Pbd<...>: no constraints given; add them, for example Pbd<Constraints<Distance, Bend>>");
-  static_assert(count<role::ConstraintSet> < 2, "mpmpbd Pbd<...>: more than one set of constraints given; write all kinds into one Constraints<...>");
-  static_assert(count<role::Solver> < 2, "mpmpbd Pbd<...>: more than one solver given; keep one of them, for example Xpbd<8>");
-  static_assert(count<role::ConstraintSet> + count<role::Solver> == sizeof...(Ps), "mpmpbd Pbd<...>: takes Constraints<...> and a solver; effects, needle and coupling belong to the Scene");
+  static_assert(
+      count<role::ConstraintSet> > 0,
+      "mpmpbd Pbd<...>: no constraints given; add them, for example Pbd<Constraints<Distance, Bend>>");
+  static_assert(
+      count<role::ConstraintSet> < 2,
+      "mpmpbd Pbd<...>: more than one set of constraints given; write all kinds into one Constraints<...>");
+  static_assert(
+      count<role::Solver> < 2,
+      "mpmpbd Pbd<...>: more than one solver given; keep one of them, for example Xpbd<8>");
+  static_assert(
+      count<role::ConstraintSet> + count<role::Solver> == sizeof...(Ps),
+      "mpmpbd Pbd<...>: takes Constraints<...> and a solver; effects, needle and coupling belong to the Scene");
 
   using Set = pick_t<role::ConstraintSet, NoConstraints, Ps...>;
   using Solver = pick_t<role::Solver, Xpbd<8>, Ps...>;
 
-  static_assert(SolverPolicy<Solver>, "mpmpbd SolverPolicy: give a name, `static constexpr int iterations` of at least 1, ScratchFields<Set> and `iterate<Set>(team, env, tick, list)`");
-  static_assert(!needs_chain<Solver> || all_along_chain<typename Set::List>, "mpmpbd Pbd<...>: DirectBanded solves constraints between neighbours of a thread (Distance, Bend); write Xpbd<8> or Jacobi<20> for the others, or hold a bead by an inverse mass of 0");
+  static_assert(
+      SolverPolicy<Solver>,
+      "mpmpbd SolverPolicy: give a name, `static constexpr int iterations` of at least 1, ScratchFields<Set> and `iterate<Set>(team, env, tick, list)`");
+  static_assert(
+      !needs_chain<Solver> || all_along_chain<typename Set::List>,
+      "mpmpbd Pbd<...>: DirectBanded solves constraints between neighbours of a thread (Distance, Bend); write Xpbd<8> or Jacobi<20> for the others, or hold a bead by an inverse mass of 0");
 };
 
 template <class Out, class List, class Taken> struct Without { using type = Out; };
 template <class... Os, class C, class... Cs, class... Ts>
 struct Without<TypeList<Os...>, TypeList<C, Cs...>, TypeList<Ts...>>
-    : Without<std::conditional_t<(std::is_same_v<C, Ts> || ...), TypeList<Os...>, TypeList<Os..., C>>,
-              TypeList<Cs...>, TypeList<Ts...>> {};
+    : Without<
+          std::conditional_t<(std::is_same_v<C, Ts> || ...), TypeList<Os...>, TypeList<Os..., C>>,
+          TypeList<Cs...>, TypeList<Ts...>> {};
 
-template <class Solver, class Set, bool = needs_chain<Solver> && !all_along_chain<typename Set::List>> struct SolverScratch {
+template <class Solver, class Set,
+          bool = needs_chain<Solver> && !all_along_chain<typename Set::List>>
+struct SolverScratch {
   using type = typename Solver::template ScratchFields<Set>;
 };
-template <class Solver, class Set> struct SolverScratch<Solver, Set, true> { using type = Fields<>; };
+template <class Solver, class Set> struct SolverScratch<Solver, Set, true> {
+  using type = Fields<>;
+};
 }  // namespace detail
 
 // The constraints of a list that a coupling does not take.
-template <class List, class Taken> using without_t = typename detail::Without<TypeList<>, List, Taken>::type;
+template <class List, class Taken>
+using without_t = typename detail::Without<TypeList<>, List, Taken>::type;
 
 // The threads of an environment. Default solver: Xpbd<8>.
 //
@@ -76,9 +97,12 @@ template <class... Policies> struct Pbd {
   // Substeps that the solver wants per step of a scene that leaves it the choice.
   static constexpr int substeps = detail::substeps_of<Solver>;
 
-  using ScratchFields = union_t<Fields<bead::Previous>, typename detail::SolverScratch<Solver, Set>::type>;
-  using Reads = union_t<Fields<bead::Position, bead::Velocity, bead::InverseMass>, typename Set::InstanceFields>;
-  using Writes = union_t<Fields<bead::Position, bead::Velocity>, typename Set::InstanceFields, ScratchFields>;
+  using ScratchFields =
+      union_t<Fields<bead::Previous>, typename detail::SolverScratch<Solver, Set>::type>;
+  using Reads = union_t<Fields<bead::Position, bead::Velocity, bead::InverseMass>,
+                        typename Set::InstanceFields>;
+  using Writes =
+      union_t<Fields<bead::Position, bead::Velocity>, typename Set::InstanceFields, ScratchFields>;
   using AllFields = union_t<Reads, Writes>;
 
   // x0 = x, x += dt v, all multipliers 0.
@@ -103,7 +127,8 @@ template <class... Policies> struct Pbd {
     if constexpr (Mine::size > 0) {
       if constexpr (requires { Solver::template begin<Set>(team, env, tick, Mine{}); })
         faults |= Solver::template begin<Set>(team, env, tick, Mine{});
-      for (int i = 0; i < Solver::iterations; ++i) faults |= Solver::template iterate<Set>(team, env, tick, Mine{});
+      for (int i = 0; i < Solver::iterations; ++i)
+        faults |= Solver::template iterate<Set>(team, env, tick, Mine{});
       if constexpr (requires { Solver::template end<Set>(team, env, tick, Mine{}); })
         faults |= Solver::template end<Set>(team, env, tick, Mine{});
     }
@@ -113,14 +138,16 @@ template <class... Policies> struct Pbd {
   // v = (x - x0)/dt of the beads that are free to move.
   template <class Team, class Env, class T>
   MPMPBD_HD static std::uint32_t finish(Team const& team, Env const& env, Tick<T> const& tick) {
-    detail::each(team, env.template live<Beads>(), [&](std::int64_t b) { set_velocity(env, b, tick); });
+    detail::each(team, env.template live<Beads>(),
+                 [&](std::int64_t b) { set_velocity(env, b, tick); });
     team.sync();
     return 0;
   }
 
   // The same, and x = x0: the constraints have acted as velocity changes, and a coupling moves the beads.
   template <class Team, class Env, class T>
-  MPMPBD_HD static std::uint32_t finish_as_velocity(Team const& team, Env const& env, Tick<T> const& tick) {
+  MPMPBD_HD static std::uint32_t finish_as_velocity(Team const& team, Env const& env,
+                                                    Tick<T> const& tick) {
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       set_velocity(env, b, tick);
       env.template set<bead::Position>(b, env.template get<bead::Previous>(b));
@@ -132,7 +159,8 @@ template <class... Policies> struct Pbd {
   // A step of rods alone: `forces(team, env, tick)` changes velocities, then the three stages, once per
   // substep of the solver.
   template <class Team, class Env, class T, class Forces>
-  MPMPBD_HD static std::uint32_t step(Team const& team, Env const& env, Tick<T> const& whole, Forces const& forces) {
+  MPMPBD_HD static std::uint32_t step(Team const& team, Env const& env, Tick<T> const& whole,
+                                      Forces const& forces) {
     Tick<T> const tick{whole.dt / T(substeps), whole.previous_dt / T(substeps), whole.step};
     std::uint32_t faults = 0;
     for (int s = 0; s < substeps; ++s) {
@@ -160,17 +188,23 @@ template <class... Policies> struct Pbd {
 
  private:
   template <class... Cs> MPMPBD_HD static constexpr void check_solvable(TypeList<Cs...>) {
-    static_assert((acts_on_points_only<Cs> && ... && true), "mpmpbd Pbd<...>: a constraint acts on the needle or on tissue, which the rod's solver cannot move; add a coupling that takes it, for example Coupling<Embedded>");
+    static_assert(
+        (acts_on_points_only<Cs> && ... && true),
+        "mpmpbd Pbd<...>: a constraint acts on the needle or on tissue, which the rod's solver cannot move; add a coupling that takes it, for example Coupling<Embedded>");
   }
-  template <class Team, class Env, class... Cs> MPMPBD_HD static void forget(Team const& team, Env const& env, TypeList<Cs...>) {
+  template <class Team, class Env, class... Cs>
+  MPMPBD_HD static void forget(Team const& team, Env const& env, TypeList<Cs...>) {
     (forget_kind<Cs>(team, env), ...);
   }
-  template <class C, class Team, class Env> MPMPBD_HD static void forget_kind(Team const& team, Env const& env) {
+  template <class C, class Team, class Env>
+  MPMPBD_HD static void forget_kind(Team const& team, Env const& env) {
     detail::each(team, env.template live<Instances<C>>(), [&](std::int64_t i) {
-      set_vector<typename instance<C>::Multiplier>(env, i, Vec<typename Env::Scalar, C::dimension>{});
+      set_vector<typename instance<C>::Multiplier>(env, i,
+                                                   Vec<typename Env::Scalar, C::dimension>{});
     });
   }
-  template <class Env, class T> MPMPBD_HD static void set_velocity(Env const& env, std::int64_t b, Tick<T> const& tick) {
+  template <class Env, class T>
+  MPMPBD_HD static void set_velocity(Env const& env, std::int64_t b, Tick<T> const& tick) {
     if (!(env.template get<bead::InverseMass>(b) > T(0))) return;
     auto const moved = env.template get<bead::Position>(b) - env.template get<bead::Previous>(b);
     env.template set<bead::Velocity>(b, T(1) / tick.dt * moved);

@@ -10,7 +10,8 @@ namespace mpmpbd {
 // Greedy in the given order: every instance gets the lowest colour that none of its beads has yet, so the
 // result depends on the instances alone. Along a thread, Distance needs 2 colours and Bend 3.
 template <std::size_t points>
-std::vector<int> colour_greedily(std::vector<std::array<std::int64_t, points>> const& instances, std::int64_t beads) {
+std::vector<int> colour_greedily(std::vector<std::array<std::int64_t, points>> const& instances,
+                                 std::int64_t beads) {
   std::vector<std::vector<bool>> used(static_cast<std::size_t>(beads));
   auto has = [&](std::int64_t bead, std::size_t colour) {
     auto const& u = used[static_cast<std::size_t>(bead)];

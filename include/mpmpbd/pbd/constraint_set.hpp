@@ -9,7 +9,9 @@ namespace mpmpbd {
 template <class... Cs> struct Constraints {
   using Role = role::ConstraintSet;
   static constexpr FixedString name = "constraints";
-  static_assert(sizeof...(Cs) > 0, "mpmpbd Constraints<>: names no constraint; add one, for example Constraints<Distance>");
+  static_assert(
+      sizeof...(Cs) > 0,
+      "mpmpbd Constraints<>: names no constraint; add one, for example Constraints<Distance>");
   static_assert((check_constraint<Cs>() && ... && true));
 
   using List = TypeList<Cs...>;

@@ -7,7 +7,9 @@
 namespace mpmpbd {
 
 // The points of all threads of an environment, numbered along each thread.
-struct Beads { static constexpr FixedString name = "bead"; };
+struct Beads {
+  static constexpr FixedString name = "bead";
+};
 // The instances of one kind of constraint in an environment, ordered by colour.
 template <class C> struct Instances {
   using Constraint = C;
@@ -32,13 +34,15 @@ template <int n> using numbers_t = std::conditional_t<n == 1, Number, Numbers<n>
 template <int n> using integers_t = std::conditional_t<n == 1, Integer, Integers<n>>;
 
 namespace detail {
-template <class C> inline constexpr int parameter_slots =
-    parameter_count<C> > 0 ? static_cast<int>(parameter_count<C>) : 1;
+template <class C>
+inline constexpr int parameter_slots = parameter_count<C> > 0 ? static_cast<int>(parameter_count<C>)
+                                                              : 1;
 }  // namespace detail
 
 template <class C> struct instance {
   // Beads it acts on, in the order of its Point unknowns.
-  struct Index : Field<"index", "1", integers_t<point_count<C> == 0 ? 1 : point_count<C>>, Instances<C>> {};
+  struct Index
+      : Field<"index", "1", integers_t<point_count<C> == 0 ? 1 : point_count<C>>, Instances<C>> {};
   // One past the last instance of the same colour. Instances of a colour share no bead.
   struct ColourEnd : Field<"colour", "1", Integer, Instances<C>> {};
   // The numbers of C::Parameters in their order.
@@ -47,9 +51,9 @@ template <class C> struct instance {
   // [N m] for angles; a stretched Distance has f < 0, its tension is -f. Zero before a solve.
   struct Multiplier : Field<"f", "J/C", numbers_t<C::dimension>, Instances<C>> {};
 
-  using List = std::conditional_t<(parameter_count<C> > 0),
-                                  Fields<Index, ColourEnd, Parameters, Multiplier>,
-                                  Fields<Index, ColourEnd, Multiplier>>;
+  using List =
+      std::conditional_t<(parameter_count<C> > 0), Fields<Index, ColourEnd, Parameters, Multiplier>,
+                         Fields<Index, ColourEnd, Multiplier>>;
 };
 
 // Reads and writes a field as a vector, whatever the number of its components.
@@ -73,7 +77,7 @@ MPMPBD_HD void set_vector(Env const& env, std::int64_t slot, Vec<E, n> const& v)
 template <class C, class Env> MPMPBD_HD auto load_parameters(Env const& env, std::int64_t slot) {
   using T = typename Env::Scalar;
   parameters_t<C, T> k{};
-  if constexpr (parameter_count<C> > 0) {
+  if constexpr (parameter_count < C >> 0) {
     auto const flat = get_vector<typename instance<C>::Parameters>(env, slot);
     auto* numbers = reinterpret_cast<T*>(&k);
     for (int i = 0; i < static_cast<int>(parameter_count<C>); ++i) numbers[i] = flat[i];

@@ -23,8 +23,12 @@ MPMPBD_HD auto load_instance(Env const& env, std::int64_t slot, std::index_seque
   using T = typename Env::Scalar;
   Loaded<C, T> one;
   one.beads = get_vector<typename instance<C>::Index>(env, slot);
-  ((get<static_cast<int>(Is)>(one.x) = env.template get<bead::Position>(one.beads[static_cast<int>(Is)])), ...);
-  ((one.weights[static_cast<int>(Is)] = env.template get<bead::InverseMass>(one.beads[static_cast<int>(Is)])), ...);
+  ((get<static_cast<int>(Is)>(one.x) =
+        env.template get<bead::Position>(one.beads[static_cast<int>(Is)])),
+   ...);
+  ((one.weights[static_cast<int>(Is)] =
+        env.template get<bead::InverseMass>(one.beads[static_cast<int>(Is)])),
+   ...);
   one.k = load_parameters<C>(env, slot);
   one.at = C::evaluate(one.x, one.k);
   one.compliance = C::compliance(one.k);
@@ -32,7 +36,8 @@ MPMPBD_HD auto load_instance(Env const& env, std::int64_t slot, std::index_seque
   return one;
 }
 template <class C, class Env> MPMPBD_HD auto load_instance(Env const& env, std::int64_t slot) {
-  return load_instance<C>(env, slot, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{});
+  return load_instance<C>(env, slot,
+                          std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{});
 }
 
 // Solves K d = r for a symmetric positive K (L D L^T). A direction without stiffness gets 0: nothing
@@ -42,11 +47,14 @@ template <class T, int n> MPMPBD_HD Vec<T, n> solve_small(Mat<T, n, n> K, Vec<T,
   for (int j = 0; j < n; ++j) {
     T pivot = K(j, j);
     T const whole = pivot;
-    for (int k = 0; k < j; ++k) pivot -= K(j, k) * K(j, k) * (inverse_pivot[k] > T(0) ? T(1) / inverse_pivot[k] : T(0));
-    inverse_pivot[j] = pivot > T(0) && pivot > T(16) * epsilon<T> * whole * T(n > 1) ? T(1) / pivot : T(0);
+    for (int k = 0; k < j; ++k)
+      pivot -= K(j, k) * K(j, k) * (inverse_pivot[k] > T(0) ? T(1) / inverse_pivot[k] : T(0));
+    inverse_pivot[j] =
+        pivot > T(0) && pivot > T(16) * epsilon<T> * whole * T(n > 1) ? T(1) / pivot : T(0);
     for (int i = j + 1; i < n; ++i) {
       T s = K(i, j);
-      for (int k = 0; k < j; ++k) s -= K(i, k) * K(j, k) * (inverse_pivot[k] > T(0) ? T(1) / inverse_pivot[k] : T(0));
+      for (int k = 0; k < j; ++k)
+        s -= K(i, k) * K(j, k) * (inverse_pivot[k] > T(0) ? T(1) / inverse_pivot[k] : T(0));
       K(i, j) = s * inverse_pivot[j];
     }
   }
@@ -62,14 +70,17 @@ template <class T, int n> MPMPBD_HD Vec<T, n> solve_small(Mat<T, n, n> K, Vec<T,
 template <class C, class T, std::size_t... Is>
 MPMPBD_HD void add_stiffness(Mat<T, C::dimension, C::dimension>& K, Loaded<C, T> const& one, T dt2,
                              std::index_sequence<Is...>) {
-  ((K += (dt2 * one.weights[static_cast<int>(Is)]) *
-         (gradient<static_cast<int>(Is)>(one.at) * transpose(gradient<static_cast<int>(Is)>(one.at)))), ...);
+  ((K +=
+    (dt2 * one.weights[static_cast<int>(Is)]) *
+    (gradient<static_cast<int>(Is)>(one.at) * transpose(gradient<static_cast<int>(Is)>(one.at)))),
+   ...);
 }
 
 // The change of the multiplier by one projection. XPBD (Macklin et al. 2016, eq. 18) with its
 // lambda = dt^2 f, numerator and denominator times dt^2:
 //   df = -(C + alpha f) / (dt^2 sum w grad grad^T + alpha),    x += dt^2 w grad^T df.
-template <class C, class T> MPMPBD_HD Vec<T, C::dimension> correction(Loaded<C, T> const& one, T dt2) {
+template <class C, class T>
+MPMPBD_HD Vec<T, C::dimension> correction(Loaded<C, T> const& one, T dt2) {
   using Points = std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>;
   auto K = one.compliance * Mat<T, C::dimension, C::dimension>::identity();
   add_stiffness<C>(K, one, dt2, Points{});
@@ -81,16 +92,20 @@ template <class C, class T> MPMPBD_HD Vec<T, C::dimension> correction(Loaded<C, 
 
 // Calls f(bead, displacement) for every bead of an instance that can move.
 template <class C, class T, class Function, std::size_t... Is>
-MPMPBD_HD void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimension> const& d, T dt2, Function&& f,
-                                     std::index_sequence<Is...>) {
+MPMPBD_HD void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimension> const& d, T dt2,
+                                     Function&& f, std::index_sequence<Is...>) {
   ((one.weights[static_cast<int>(Is)] > T(0)
         ? f(one.beads[static_cast<int>(Is)],
-            (dt2 * one.weights[static_cast<int>(Is)]) * (transpose(gradient<static_cast<int>(Is)>(one.at)) * d))
-        : void()), ...);
+            (dt2 * one.weights[static_cast<int>(Is)]) *
+                (transpose(gradient<static_cast<int>(Is)>(one.at)) * d))
+        : void()),
+   ...);
 }
 template <class C, class T, class Function>
-MPMPBD_HD void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimension> const& d, T dt2, Function&& f) {
-  for_each_displacement<C>(one, d, dt2, f, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{});
+MPMPBD_HD void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimension> const& d, T dt2,
+                                     Function&& f) {
+  for_each_displacement<C>(one, d, dt2, f,
+                           std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{});
 }
 
 // A team counts in int: one environment has fewer slots than that.
@@ -105,8 +120,8 @@ template <class C, class Team, class Env, class Function>
 MPMPBD_HD void for_each_colour(Team const& team, Env const& env, Function const& f) {
   std::int64_t const count = env.template live<Instances<C>>();
   for (std::int64_t first = 0; first < count;) {
-    std::int64_t const end =
-        clamp<std::int64_t>(env.template get<typename instance<C>::ColourEnd>(first), first + 1, count);
+    std::int64_t const end = clamp<std::int64_t>(
+        env.template get<typename instance<C>::ColourEnd>(first), first + 1, count);
     each(team, end - first, [&](std::int64_t i) { f(first + i); });
     team.sync();
     first = end;

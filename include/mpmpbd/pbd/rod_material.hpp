@@ -13,10 +13,12 @@ struct RodMaterial {
   // Of the bending stiffness of a solid wire; the filaments of a braid slide, so it bends more easily.
   double bending_share = 1.0;
 
-  double area() const { return pi<double> * radius * radius; }                            // [m^2]
-  double axial_stiffness() const { return young_modulus * area(); }                       // EA [N]
-  double bending_stiffness() const { return bending_share * axial_stiffness() * radius * radius / 4; }  // EI [N m^2]
-  double line_density() const { return density * area(); }                                // [kg/m]
+  double area() const { return pi<double> * radius * radius; }       // [m^2]
+  double axial_stiffness() const { return young_modulus * area(); }  // EA [N]
+  double bending_stiffness() const {
+    return bending_share * axial_stiffness() * radius * radius / 4;
+  }                                                         // EI [N m^2]
+  double line_density() const { return density * area(); }  // [kg/m]
   // Compliance of a segment of length l [m]: l/EA [m/N].
   double stretch_compliance(double l) const { return l / axial_stiffness(); }
   // Compliance of a joint that stands for a length l [m] of thread: l/EI [rad/(N m)].

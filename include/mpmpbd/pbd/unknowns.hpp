@@ -49,11 +49,16 @@ template <int I, class V> MPMPBD_HD constexpr V const& slot_of(ValueSlot<I, V> c
   return s.value;
 }
 template <int I, class T, int R, int C>
-MPMPBD_HD constexpr Mat<T, R, C>& block_of(BlockSlot<I, T, R, C>& s) { return s.block; }
+MPMPBD_HD constexpr Mat<T, R, C>& block_of(BlockSlot<I, T, R, C>& s) {
+  return s.block;
+}
 template <int I, class T, int R, int C>
-MPMPBD_HD constexpr Mat<T, R, C> const& block_of(BlockSlot<I, T, R, C> const& s) { return s.block; }
+MPMPBD_HD constexpr Mat<T, R, C> const& block_of(BlockSlot<I, T, R, C> const& s) {
+  return s.block;
+}
 
-template <class U, class... Us> inline constexpr int count_kind = (int(std::is_same_v<U, Us>) + ... + 0);
+template <class U, class... Us>
+inline constexpr int count_kind = (int(std::is_same_v<U, Us>) + ... + 0);
 }  // namespace detail
 
 // The values of a list of unknowns; `get<0>(x)` is the first one.
@@ -65,7 +70,8 @@ struct Values<T, TypeList<Us...>> : detail::ValueSlots<T, std::index_sequence_fo
 template <int I, class T, class List> MPMPBD_HD constexpr auto& get(Values<T, List>& x) {
   return detail::slot_of<I>(x);
 }
-template <int I, class T, class List> MPMPBD_HD constexpr auto const& get(Values<T, List> const& x) {
+template <int I, class T, class List>
+MPMPBD_HD constexpr auto const& get(Values<T, List> const& x) {
   return detail::slot_of<I>(x);
 }
 
@@ -89,6 +95,7 @@ MPMPBD_HD constexpr auto const& gradient(EvaluationOf<T, dimension, List> const&
 
 // How many unknowns of a list are of one kind.
 template <class U, class List> inline constexpr int count_unknowns = 0;
-template <class U, class... Us> inline constexpr int count_unknowns<U, TypeList<Us...>> = detail::count_kind<U, Us...>;
+template <class U, class... Us>
+inline constexpr int count_unknowns<U, TypeList<Us...>> = detail::count_kind<U, Us...>;
 
 }  // namespace mpmpbd

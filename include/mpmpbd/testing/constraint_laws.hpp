@@ -26,7 +26,9 @@ inline Vec<double, 4> turned(Vec<double, 4> const& q, Vec3<double> const& w) {
 template <class C, class T> class ConstraintProbe {
  public:
   static constexpr int unknowns = C::Unknowns::size;
-  static constexpr int columns = []<class... Us>(TypeList<Us...>) { return (Us::degrees + ...); }(typename C::Unknowns{});
+  static constexpr int columns = []<class... Us>(TypeList<Us...>) {
+    return (Us::degrees + ...);
+  }(typename C::Unknowns{});
   static constexpr int rows = C::dimension;
   using X = ValuesOf<C, double>;
   using Columns = Vec<double, columns>;
@@ -42,7 +44,8 @@ template <class C, class T> class ConstraintProbe {
     int column = 0;
     [&]<std::size_t... Is, class... Us>(std::index_sequence<Is...>, TypeList<Us...>) {
       ((f.template operator()<static_cast<int>(Is), Us>(column), column += Us::degrees), ...);
-    }(std::make_index_sequence<static_cast<std::size_t>(unknowns)>{}, typename C::Unknowns{});
+    }
+    (std::make_index_sequence<static_cast<std::size_t>(unknowns)>{}, typename C::Unknowns{});
   }
 
   // Numbers that are exact in T, so that evaluations in T and in double see the same configuration.
@@ -55,9 +58,12 @@ template <class C, class T> class ConstraintProbe {
         q *= 1.0 / norm(q);
         return cast<double>(cast<T>(q));
       };
-      if constexpr (std::is_same_v<U, unknown::RigidBody>) get<I>(x) = {place(), frame()};
-      else if constexpr (std::is_same_v<U, unknown::Orientation>) get<I>(x) = frame();
-      else get<I>(x) = place();
+      if constexpr (std::is_same_v<U, unknown::RigidBody>)
+        get<I>(x) = {place(), frame()};
+      else if constexpr (std::is_same_v<U, unknown::Orientation>)
+        get<I>(x) = frame();
+      else
+        get<I>(x) = place();
     });
     return x;
   }
@@ -77,7 +83,9 @@ template <class C, class T> class ConstraintProbe {
     return x;
   }
 
-  Result evaluate(X const& x) const { return result(C::evaluate(in<T>(x), cast_parameters<C, T, double>(k_))); }
+  Result evaluate(X const& x) const {
+    return result(C::evaluate(in<T>(x), cast_parameters<C, T, double>(k_)));
+  }
   Result evaluate_in_double(X const& x) const { return result(C::evaluate(x, k_)); }
   double compliance() const { return double(C::compliance(cast_parameters<C, T, double>(k_))); }
 
@@ -87,7 +95,8 @@ template <class C, class T> class ConstraintProbe {
     bool rotation = false;
     for_each_unknown([&]<int I, class U>(int c) {
       if (column >= c && column < c + U::degrees)
-        rotation = std::is_same_v<U, unknown::Orientation> || (std::is_same_v<U, unknown::RigidBody> && column >= c + 3);
+        rotation = std::is_same_v<U, unknown::Orientation> ||
+                   (std::is_same_v<U, unknown::RigidBody> && column >= c + 3);
     });
     return rotation;
   }
@@ -118,7 +127,8 @@ template <class C, class T> class ConstraintProbe {
     for_each_unknown([&]<int I, class U>(int) {
       if constexpr (std::is_same_v<U, unknown::RigidBody>)
         get<I>(y) = {cast<To>(get<I>(x).position), cast<To>(get<I>(x).orientation)};
-      else get<I>(y) = cast<To>(get<I>(x));
+      else
+        get<I>(y) = cast<To>(get<I>(x));
     });
     return y;
   }
@@ -150,9 +160,11 @@ template <class C, class T> Law gradient_law(ConstraintProbe<C, T> const& probe)
       typename ConstraintProbe<C, T>::Columns d{};
       double const h = 1e-6 * probe.unit(c);
       d[c] = h;
-      auto const plus = probe.evaluate_in_double(probe.moved(x, d)), minus = probe.evaluate_in_double(probe.moved(x, -d));
+      auto const plus = probe.evaluate_in_double(probe.moved(x, d)),
+                 minus = probe.evaluate_in_double(probe.moved(x, -d));
       for (int i = 0; i < probe.rows; ++i)
-        worst = max(worst, abs((plus.value[i] - minus.value[i]) / (2 * h) - r.gradient(i, c)) * probe.unit(c) / size);
+        worst = max(worst, abs((plus.value[i] - minus.value[i]) / (2 * h) - r.gradient(i, c)) *
+                               probe.unit(c) / size);
     }
   }
   return {"gradient = central difference, relative", worst, sizeof(T) == 8 ? 1e-7 : 1e-4};
@@ -169,7 +181,10 @@ template <class C, class T> void balance_laws(ConstraintProbe<C, T> const& probe
     for (int i = 0; i < probe.rows; ++i) {
       Vec3<double> sum{}, turn{};
       probe.for_each_unknown([&]<int I, class U>(int c) {
-        auto block = [&](int from) { return vec(r.gradient(i, c + from), r.gradient(i, c + from + 1), r.gradient(i, c + from + 2)); };
+        auto block = [&](int from) {
+          return vec(r.gradient(i, c + from), r.gradient(i, c + from + 1),
+                     r.gradient(i, c + from + 2));
+        };
         if constexpr (std::is_same_v<U, unknown::Orientation>) {
           turn += block(0);
         } else if constexpr (std::is_same_v<U, unknown::RigidBody>) {
@@ -217,7 +232,8 @@ template <class C, class T> Law frame_law(ConstraintProbe<C, T> const& probe) {
       }
     });
     auto const a = probe.evaluate(x), b = probe.evaluate(y);
-    double const change = C::dimension == 1 ? abs(a.value[0] - b.value[0]) : abs(norm(a.value) - norm(b.value));
+    double const change =
+        C::dimension == 1 ? abs(a.value[0] - b.value[0]) : abs(norm(a.value) - norm(b.value));
     worst = max(worst, change / probe.size(a));
   }
   return {"C is the same after a rigid motion, relative", worst, sizeof(T) == 8 ? 1e-12 : 2e-5};
@@ -234,7 +250,8 @@ template <class C, class T> Law projection_law(ConstraintProbe<C, T> const& prob
       return C::kind == ConstraintKind::inequality ? max(0.0, -v[0]) : norm(v);
     };
     double const before = wrong(x);
-    if (before > 1e-9 * probe.size(probe.evaluate(x))) worst = max(worst, wrong(probe.projected(x)) / before);
+    if (before > 1e-9 * probe.size(probe.evaluate(x)))
+      worst = max(worst, wrong(probe.projected(x)) / before);
   }
   return {"|C| after one projection / before", worst, 1.0 - 1e-9};
 }
@@ -248,10 +265,16 @@ template <class C, class T> Law finite_law(ConstraintProbe<C, T> const& probe) {
       auto x = probe.random(samples);
       probe.for_each_unknown([&]<int I, class U>(int) {
         // All at one point; on a line; folded; first two together; last two together; nearly straight; as drawn.
-        double const along[7] = {0, double(I), double(I % 2), double(I > 1), double(I == 0), double(I), 0};
-        Vec3<double> const at = probe.scale() * size * vec(shape < 7 ? along[shape] : 0.0, shape == 5 && I == 1 ? 1e-9 : 0.0, 0.0);
-        if constexpr (std::is_same_v<U, unknown::RigidBody>) get<I>(x).position = at;
-        else if constexpr (!std::is_same_v<U, unknown::Orientation>) { if (shape < 6) get<I>(x) = at; }
+        double const along[7] = {0,         double(I), double(I % 2), double(I > 1), double(I == 0),
+                                 double(I), 0};
+        Vec3<double> const at =
+            probe.scale() * size *
+            vec(shape < 7 ? along[shape] : 0.0, shape == 5 && I == 1 ? 1e-9 : 0.0, 0.0);
+        if constexpr (std::is_same_v<U, unknown::RigidBody>)
+          get<I>(x).position = at;
+        else if constexpr (!std::is_same_v<U, unknown::Orientation>) {
+          if (shape < 6) get<I>(x) = at;
+        }
       });
       auto const r = probe.evaluate(x);
       if (!is_finite(r.value) || !is_finite(r.gradient)) ++lost;
@@ -267,7 +290,8 @@ template <class C, class T> class ConstraintBench {
   template <int iterations> struct Body : Pbd<Constraints<C>, Xpbd<iterations>> {};
   static constexpr std::size_t points = static_cast<std::size_t>(point_count<C>);
 
-  ConstraintBench(ConstraintProbe<C, T> const& probe, parameters_t<C, double> const& k) : probe_(probe), k_(k) {}
+  ConstraintBench(ConstraintProbe<C, T> const& probe, parameters_t<C, double> const& k)
+      : probe_(probe), k_(k) {}
 
   // Largest displacement of a bead of inverse mass 0 (any of them, in turn) under one solve.
   Law infinite_mass() const {
@@ -325,26 +349,33 @@ template <class C, class T> class ConstraintBench {
     std::int64_t step = 0;
 
     auto environment() { return access_environment(store, 0, typename Store::Domains{}); }
-    Vec3<T> position(std::size_t b) const { return store.template get<bead::Position>(0, static_cast<std::int64_t>(b)); }
+    Vec3<T> position(std::size_t b) const {
+      return store.template get<bead::Position>(0, static_cast<std::int64_t>(b));
+    }
     template <class Force> void advance(T dt, Force const& force) {
       auto const env = environment();
-      B::step(Solo{}, env, Tick<T>{dt, dt, step++}, [&](auto const&, auto const& e, Tick<T> const& tick) {
-        ValuesOf<C, T> x{};
-        ConstraintProbe<C, T>::for_each_unknown([&]<int I, class U>(int) { get<I>(x) = e.template get<bead::Position>(I); });
-        auto const at = C::evaluate(x, mpmpbd::load_parameters<C>(e, 0));
-        for (std::size_t b = 0; b < points; ++b) {
-          auto const slot = static_cast<std::int64_t>(b);
-          auto const w = e.template get<bead::InverseMass>(slot);
-          e.template set<bead::Velocity>(slot, e.template get<bead::Velocity>(slot) + tick.dt * w * force(at, b));
-        }
-      });
+      B::step(Solo{}, env, Tick<T>{dt, dt, step++},
+              [&](auto const&, auto const& e, Tick<T> const& tick) {
+                ValuesOf<C, T> x{};
+                ConstraintProbe<C, T>::for_each_unknown(
+                    [&]<int I, class U>(int) { get<I>(x) = e.template get<bead::Position>(I); });
+                auto const at = C::evaluate(x, mpmpbd::load_parameters<C>(e, 0));
+                for (std::size_t b = 0; b < points; ++b) {
+                  auto const slot = static_cast<std::int64_t>(b);
+                  auto const w = e.template get<bead::InverseMass>(slot);
+                  e.template set<bead::Velocity>(
+                      slot, e.template get<bead::Velocity>(slot) + tick.dt * w * force(at, b));
+                }
+              });
     }
   };
 
-  template <int iterations> auto make(ValuesOf<C, double> const& x, std::size_t held = points) const {
+  template <int iterations>
+  auto make(ValuesOf<C, double> const& x, std::size_t held = points) const {
     using B = Body<iterations>;
     RodAssembly<B> rod;
-    ConstraintProbe<C, T>::for_each_unknown([&]<int I, class U>(int) { rod.add_bead(get<I>(x), mass()); });
+    ConstraintProbe<C, T>::for_each_unknown(
+        [&]<int I, class U>(int) { rod.add_bead(get<I>(x), mass()); });
     std::array<std::int64_t, points> beads{};
     for (std::size_t b = 0; b < points; ++b) beads[b] = static_cast<std::int64_t>(b);
     rod.template add<C>(beads, k_);
@@ -357,17 +388,21 @@ template <class C, class T> class ConstraintBench {
     return run;
   }
 
-  template <int iterations> double settle(ValuesOf<C, double> const& x, double stretch, double dt) const {
+  template <int iterations>
+  double settle(ValuesOf<C, double> const& x, double stretch, double dt) const {
     auto run = make<iterations>(x);
     Vec<T, C::dimension> s;
     for (int i = 0; i < C::dimension; ++i) s[i] = T(stretch / probe_.compliance());
     for (int n = 0; n < 600; ++n)
-      run.advance(T(dt), [&](auto const& at, std::size_t b) { return transpose(block(at, b)) * s; });
+      run.advance(T(dt),
+                  [&](auto const& at, std::size_t b) { return transpose(block(at, b)) * s; });
     ValuesOf<C, T> now{};
-    ConstraintProbe<C, T>::for_each_unknown([&]<int I, class U>(int) { get<I>(now) = run.position(static_cast<std::size_t>(I)); });
+    ConstraintProbe<C, T>::for_each_unknown(
+        [&]<int I, class U>(int) { get<I>(now) = run.position(static_cast<std::size_t>(I)); });
     auto const at = C::evaluate(now, cast_parameters<C, T, double>(k_));
     double worst = 0;
-    for (int i = 0; i < C::dimension; ++i) worst = max(worst, abs(double(at.value[i]) - stretch) / abs(stretch));
+    for (int i = 0; i < C::dimension; ++i)
+      worst = max(worst, abs(double(at.value[i]) - stretch) / abs(stretch));
     return worst;
   }
   template <class E> static Mat<T, C::dimension, 3> block(E const& at, std::size_t b) {

@@ -17,7 +17,8 @@ struct Attachment {
   template <class T> struct Parameters {
     T compliance;  // [m/N]
   };
-  static constexpr std::array<ParameterInfo, 1> parameter_info{{bound::not_negative("compliance", "m/N")}};
+  static constexpr std::array<ParameterInfo, 1> parameter_info{
+      {bound::not_negative("compliance", "m/N")}};
 
   template <class X, class K> MPMPBD_HD static auto evaluate(X const& x, K const&) {
     using T = typename X::Scalar;

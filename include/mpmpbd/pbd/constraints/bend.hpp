@@ -25,7 +25,8 @@ struct Bend {
     T compliance;  // [rad/(N m)]
   };
   static constexpr std::array<ParameterInfo, 2> parameter_info{
-      {bound::between("rest_turn", "rad", 0.0, pi<double>), bound::not_negative("compliance", "rad/(N m)")}};
+      {bound::between("rest_turn", "rad", 0.0, pi<double>),
+       bound::not_negative("compliance", "rad/(N m)")}};
 
   // The rest turn of a joint whose rest angle, seen from the middle bead, is theta [rad] (pi: straight).
   template <class T> MPMPBD_HD static T turn_of(T theta) { return pi<T> - theta; }

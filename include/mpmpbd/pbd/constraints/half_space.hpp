@@ -20,8 +20,8 @@ struct HalfSpace {
     T compliance;  // [m/N]
   };
   static constexpr std::array<ParameterInfo, 5> parameter_info{
-      {bound::any("nx", "1"), bound::any("ny", "1"), bound::any("nz", "1"), bound::any("offset", "m"),
-       bound::not_negative("compliance", "m/N")}};
+      {bound::any("nx", "1"), bound::any("ny", "1"), bound::any("nz", "1"),
+       bound::any("offset", "m"), bound::not_negative("compliance", "m/N")}};
 
   template <class X, class K> MPMPBD_HD static auto evaluate(X const& x, K const& k) {
     using T = typename X::Scalar;

@@ -20,7 +20,8 @@ struct Swage {
     T compliance;  // [m/N]
   };
   static constexpr std::array<ParameterInfo, 4> parameter_info{
-      {bound::any("x", "m"), bound::any("y", "m"), bound::any("z", "m"), bound::not_negative("compliance", "m/N")}};
+      {bound::any("x", "m"), bound::any("y", "m"), bound::any("z", "m"),
+       bound::not_negative("compliance", "m/N")}};
 
   template <class X, class K> MPMPBD_HD static auto evaluate(X const& x, K const& k) {
     using T = typename X::Scalar;

@@ -7,10 +7,9 @@
 namespace mpmpbd {
 
 // The row beside that of C for what C does across its gradient (`C::across`, optional).
-template <class C> struct Across {
-  using Unknowns = typename C::Unknowns;
-};
-template <class C> concept HasAcross = requires(ValuesOf<C, float> const& x, parameters_t<C, float> const& k) {
+template <class C> struct Across { using Unknowns = typename C::Unknowns; };
+template <class C>
+concept HasAcross = requires(ValuesOf<C, float> const& x, parameters_t<C, float> const& k) {
   { C::across(x, k) } -> std::same_as<Evaluation<C, float>>;
 };
 namespace detail {
@@ -28,32 +27,41 @@ template <class List> struct Chain;
 template <class... Cs> struct Chain<TypeList<Cs...>> {
   static constexpr int kinds = sizeof...(Cs);
   // Where kind C stands within the rows of a bead.
-  template <class C> static constexpr int place = [] {
+  template <class C>
+  static constexpr int place = [] {
     int at = 0, found = 0;
     ((std::is_same_v<C, Cs> ? (found = at++) : at++), ...);
     return found;
   }();
-  // Farthest row that a row shares a bead with: 1 (tridiagonal) for Distance alone, 4 (2 x 2 blocks, half
-  // bandwidth 2) for Distance with Bend.
+  // Farthest row that a row shares a bead with: 1 (tridiagonal) for Distance alone, 4 with a Bend of one
+  // row, 7 with the row across it (3 x 3 blocks, half bandwidth 2).
   static constexpr int half_band = [] {
     int most = 1;
     auto against = [&](int points, int place_below) {
-      ((most = (points - 1) * kinds + place<Cs> - place_below > most ? (points - 1) * kinds + place<Cs> - place_below : most), ...);
+      ((most = (points - 1) * kinds + place<Cs> - place_below > most
+                   ? (points - 1) * kinds + place<Cs> - place_below
+                   : most),
+       ...);
     };
     (against(point_count<Cs>, place<Cs>), ...);
     return most;
   }();
 
-  struct Band : Scratch<"band", "m/N", numbers_t<kinds * (half_band + 1)>, Beads> {};
-  template <class C> struct Gradient : Scratch<"grad", "1", numbers_t<3 * point_count<C>>, Beads> {};
-  template <class C> struct Right : Scratch<"r", "1", Number, Beads> {};      // -(C + alpha f), then the change of f
-  template <class C> struct Alpha : Scratch<"alpha", "1", Number, Beads> {};  // compliance; -1: no constraint here
-  template <class C> struct Force : Scratch<"f", "J/C", Number, Beads> {};    // the multiplier so far
-  template <class C> struct Length : Scratch<"l", "m", Number, Beads> {};     // of a taut link, when solved
-  struct Predicted : Scratch<"xp", "m", Vector, Beads> {};                    // by all but lengths
-  struct Carry : Scratch<"s", "1", Number, Beads> {};                         // of the elimination along the chain
-  using ScratchFields = union_t<Fields<Band, Predicted, Carry>,
-                                Fields<Gradient<Cs>, Right<Cs>, Alpha<Cs>, Force<Cs>, Length<Cs>>...>;
+  struct Band : Scratch<"band", "m/N", numbers_t<kinds*(half_band + 1)>, Beads> {};
+  template <class C>
+  struct Gradient : Scratch<"grad", "1", numbers_t<3 * point_count<C>>, Beads> {};
+  template <class C>
+  struct Right : Scratch<"r", "1", Number, Beads> {};  // -(C + alpha f), then the change of f
+  template <class C>
+  struct Alpha : Scratch<"alpha", "1", Number, Beads> {};  // compliance; -1: no constraint here
+  template <class C> struct Force : Scratch<"f", "J/C", Number, Beads> {};  // the multiplier so far
+  template <class C>
+  struct Length : Scratch<"l", "m", Number, Beads> {};      // of a taut link, when solved
+  struct Predicted : Scratch<"xp", "m", Vector, Beads> {};  // by all but lengths
+  struct Carry : Scratch<"s", "1", Number, Beads> {};       // of the elimination along the chain
+  using ScratchFields =
+      union_t<Fields<Band, Predicted, Carry>,
+              Fields<Gradient<Cs>, Right<Cs>, Alpha<Cs>, Force<Cs>, Length<Cs>>...>;
 };
 
 namespace detail {
@@ -66,10 +74,11 @@ template <class... Cs> struct WithoutLengths<TypeList<Cs...>> {
 // Newton steps on (grad W grad^T + alpha/dt^2) dlambda = -(C + alpha/dt^2 lambda) for the whole chain:
 // an inextensible thread costs the same as a soft one, whatever its length. Beads of one thread follow
 // each other in number; several threads are several blocks of the same band.
-// Limits: constraints along a chain only. The step is Newton's without the curvature of C, so a taut
-// light thread sways off when h^2 T / (m l) exceeds about 1 (T tension, m bead mass, l segment): take
-// smaller steps, or Gauss-Seidel, which has no such limit. Segments that turn by a radian per substep need 8
-// iterations, otherwise one is enough. Over-determined chains: a row without a pivot keeps its multiplier.
+// Before every elimination but the first, the chain is laid out under the tensions found so far, so that
+// a taut light thread is stable at any step; forces of joints are carried over as vectors.
+// Limits: constraints along a chain only. With one iteration there is no layout, and h^2 T / (m l) has to
+// stay below 1 (T tension, m bead mass, l segment). Segments that turn by more than a radian per substep
+// need 4 to 8 iterations. Over-determined chains: a row without a pivot keeps its multiplier.
 // Every step is kept to turns of about a radian, so what fails stays bounded; Fault::solver is set when
 // a row lost its pivot, or a constraint is left with an error of more than a tenth of its segment.
 template <int iterations_ = 4> struct DirectBanded {
@@ -80,7 +89,8 @@ template <int iterations_ = 4> struct DirectBanded {
   template <class Set> using ScratchFields = typename Chain<rows_t<Set>>::ScratchFields;
 
   template <class Set, class Team, class Env, class T, class... Cs>
-  MPMPBD_HD static std::uint32_t begin(Team const& team, Env const& env, Tick<T> const&, TypeList<Cs...>) {
+  MPMPBD_HD static std::uint32_t begin(Team const& team, Env const& env, Tick<T> const&,
+                                       TypeList<Cs...>) {
     using System = Chain<rows_t<Set>>;
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       env.template set<typename System::Predicted>(b, env.template get<bead::Position>(b));
@@ -90,7 +100,8 @@ template <int iterations_ = 4> struct DirectBanded {
   }
 
   template <class Set, class Team, class Env, class T, class... Cs>
-  MPMPBD_HD static std::uint32_t iterate(Team const& team, Env const& env, Tick<T> const& tick, TypeList<Cs...>) {
+  MPMPBD_HD static std::uint32_t iterate(Team const& team, Env const& env, Tick<T> const& tick,
+                                         TypeList<Cs...>) {
     using System = Chain<rows_t<Set>>;
     T const dt2 = tick.dt * tick.dt;
     std::uint32_t faults = 0;
@@ -101,15 +112,20 @@ template <int iterations_ = 4> struct DirectBanded {
     assemble<System>(team, env, dt2, rows_t<Set>{});
     team.one([&] {
       T const errors = sum_of_errors<System>(env, rows_t<Set>{});
-      if (!eliminate<System>(env, rows_t<Set>{})) faults |= static_cast<std::uint32_t>(Fault::solver);
+      if (!eliminate<System>(env, rows_t<Set>{}))
+        faults |= static_cast<std::uint32_t>(Fault::solver);
       shorten<System>(env, dt2, errors, rows_t<Set>{});
     });
     team.sync();
     (add_multipliers<System, Cs>(team, env), ...);
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       if (!(env.template get<bead::InverseMass>(b) > T(0))) return;
-      env.template set<bead::Position>(b, env.template get<bead::Position>(b) + displacement<System>(env, b, dt2, rows_t<Set>{}));
-      env.template set<typename System::Predicted>(b, env.template get<typename System::Predicted>(b) + displacement<System>(env, b, dt2, typename detail::WithoutLengths<rows_t<Set>>::type{}));
+      env.template set<bead::Position>(b, env.template get<bead::Position>(b) +
+                                              displacement<System>(env, b, dt2, rows_t<Set>{}));
+      env.template set<typename System::Predicted>(
+          b, env.template get<typename System::Predicted>(b) +
+                 displacement<System>(env, b, dt2,
+                                      typename detail::WithoutLengths<rows_t<Set>>::type{}));
     });
     team.sync();
     return faults;
@@ -117,7 +133,8 @@ template <int iterations_ = 4> struct DirectBanded {
 
   // Nothing is lost silently: says so when the iterations did not solve the chain.
   template <class Set, class Team, class Env, class T, class... Cs>
-  MPMPBD_HD static std::uint32_t end(Team const& team, Env const& env, Tick<T> const&, TypeList<Cs...>) {
+  MPMPBD_HD static std::uint32_t end(Team const& team, Env const& env, Tick<T> const&,
+                                     TypeList<Cs...>) {
     return (unsolved<Cs>(team, env) | ... | 0u);
   }
 
@@ -134,7 +151,8 @@ template <int iterations_ = 4> struct DirectBanded {
   }
 
   // A taut link as a spring of force density T/l [N/m] between beads b and b + 1.
-  template <class System, class C, class Env> MPMPBD_HD static auto density(Env const& env, std::int64_t b) {
+  template <class System, class C, class Env>
+  MPMPBD_HD static auto density(Env const& env, std::int64_t b) {
     using T = typename Env::Scalar;
     T const l = env.template get<typename System::template Length<C>>(b);
     T const f = env.template get<typename System::template Force<C>>(b);
@@ -165,14 +183,16 @@ template <int iterations_ = 4> struct DirectBanded {
       Vec3<T> force{};
       (add_pressure<System, Cs>(env, b, force), ...);
       T const pivot = T(1) / (T(1) + step * (left * (T(1) - carry) + right));
-      before = pivot * (env.template get<typename System::Predicted>(b) + step * (force + left * before));
+      before = pivot *
+               (env.template get<typename System::Predicted>(b) + step * (force + left * before));
       carry = pivot * step * right;
       env.template set<typename System::Carry>(b, carry);
       env.template set<bead::Position>(b, before);
       left = right;
     }
     for (std::int64_t b = beads - 2; b >= 0; --b) {
-      before = env.template get<bead::Position>(b) + env.template get<typename System::Carry>(b) * before;
+      before = env.template get<bead::Position>(b) +
+               env.template get<typename System::Carry>(b) * before;
       env.template set<bead::Position>(b, before);
     }
   }
@@ -190,12 +210,14 @@ template <int iterations_ = 4> struct DirectBanded {
   template <class C, class T, std::size_t... Is>
   MPMPBD_HD static auto flatten(Evaluation<C, T> const& e, std::index_sequence<Is...>) {
     Vec<T, 3 * point_count<C>> flat;
-    for (int a = 0; a < 3; ++a) ((flat[3 * static_cast<int>(Is) + a] = gradient<static_cast<int>(Is)>(e)[a]), ...);
+    for (int a = 0; a < 3; ++a)
+      ((flat[3 * static_cast<int>(Is) + a] = gradient<static_cast<int>(Is)>(e)[a]), ...);
     return flat;
   }
 
   // How much of a force vector is along gradient g.
-  template <class T, int n> MPMPBD_HD static T component(Vec<T, n> const& force, Vec<T, n> const& g) {
+  template <class T, int n>
+  MPMPBD_HD static T component(Vec<T, n> const& force, Vec<T, n> const& g) {
     T const size = dot(g, g);
     return size > T(0) ? dot(force, g) / size : T(0);
   }
@@ -215,23 +237,27 @@ template <int iterations_ = 4> struct DirectBanded {
         auto const h = flatten<C, T>(side, Points{});
         // The force found so far is a vector: it keeps its direction when the joint's plane turns, or flips.
         auto const force = f * env.template get<typename System::template Gradient<C>>(b) +
-                           env.template get<typename System::template Force<Side>>(b) * env.template get<typename System::template Gradient<Side>>(b);
+                           env.template get<typename System::template Force<Side>>(b) *
+                               env.template get<typename System::template Gradient<Side>>(b);
         f = component(force, g);
         T const f_side = component(force, h);
         env.template set<typename instance<C>::Multiplier>(slot, f);
         T const part = side.value[0];
         bool const acts = part > T(0) && (one.compliance > T(0) || part == T(1));
         T const alpha = acts ? one.compliance / part : T(-1);
-        env.template set<typename System::template Gradient<Side>>(b, acts ? h : Vec<T, 3 * point_count<C>>{});
+        env.template set<typename System::template Gradient<Side>>(
+            b, acts ? h : Vec<T, 3 * point_count<C>>{});
         env.template set<typename System::template Alpha<Side>>(b, alpha);
         env.template set<typename System::template Force<Side>>(b, acts ? f_side : T(0));
         env.template set<typename System::template Right<Side>>(b, acts ? -alpha * f_side : T(0));
       }
       env.template set<typename System::template Gradient<C>>(b, g);
-      env.template set<typename System::template Right<C>>(b, -(one.at.value[0] + one.compliance * f));
+      env.template set<typename System::template Right<C>>(b,
+                                                           -(one.at.value[0] + one.compliance * f));
       env.template set<typename System::template Alpha<C>>(b, one.compliance);
       if constexpr (is_length<C>) {  // the length at C = 0; add_multipliers adds the stretch
-        auto const d = env.template get<bead::Position>(one.beads[1]) - env.template get<bead::Position>(b);
+        auto const d =
+            env.template get<bead::Position>(one.beads[1]) - env.template get<bead::Position>(b);
         env.template set<typename System::template Length<C>>(b, norm(d) - one.at.value[0]);
       }
     });
@@ -246,7 +272,8 @@ template <int iterations_ = 4> struct DirectBanded {
     T sum = T(0);
     for (std::int64_t q = i; q < end; ++q) {
       int const p = 3 * static_cast<int>(q - i), r = 3 * static_cast<int>(q - j);
-      sum += env.template get<bead::InverseMass>(q) * (a[p] * b[r] + a[p + 1] * b[r + 1] + a[p + 2] * b[r + 2]);
+      sum += env.template get<bead::InverseMass>(q) *
+             (a[p] * b[r] + a[p + 1] * b[r + 1] + a[p + 2] * b[r + 2]);
     }
     return dt2 * sum;
   }
@@ -262,7 +289,8 @@ template <int iterations_ = 4> struct DirectBanded {
     }
   }
   template <class System, class A, class Env, class T, class Band, class... Bs>
-  MPMPBD_HD static void assemble_row(Env const& env, std::int64_t i, T dt2, Band& band, TypeList<Bs...>) {
+  MPMPBD_HD static void assemble_row(Env const& env, std::int64_t i, T dt2, Band& band,
+                                     TypeList<Bs...>) {
     (assemble_pair<System, A, Bs>(env, i, dt2, band), ...);
     constexpr int diagonal = System::template place<A> * (System::half_band + 1);
     if (has<System, A>(env, i))
@@ -279,14 +307,16 @@ template <int iterations_ = 4> struct DirectBanded {
     });
     team.sync();
   }
-  template <class System, class C, class Env> MPMPBD_HD static bool has(Env const& env, std::int64_t b) {
+  template <class System, class C, class Env>
+  MPMPBD_HD static bool has(Env const& env, std::int64_t b) {
     return !(env.template get<typename System::template Alpha<C>>(b) < 0);
   }
 
   template <class System, class Env, class... Cs>
   MPMPBD_HD static auto rights(Env const& env, std::int64_t b, TypeList<Cs...>) {
     Vec<typename Env::Scalar, System::kinds> r;
-    ((r[System::template place<Cs>] = env.template get<typename System::template Right<Cs>>(b)), ...);
+    ((r[System::template place<Cs>] = env.template get<typename System::template Right<Cs>>(b)),
+     ...);
     return r;
   }
   template <class System, class Env, class V, class... Cs>
@@ -295,12 +325,13 @@ template <int iterations_ = 4> struct DirectBanded {
   }
 
   // L D L^T of the band and both substitutions, in place; false when a row lost its pivot.
-  template <class System, class Env, class List> MPMPBD_HD static bool eliminate(Env const& env, List list) {
+  template <class System, class Env, class List>
+  MPMPBD_HD static bool eliminate(Env const& env, List list) {
     using T = typename Env::Scalar;
     constexpr int half = System::half_band, width = half + 1, kinds = System::kinds;
     std::int64_t const beads = env.template live<Beads>();
-    T L[half][half] = {};       // rows of L above: L[row % half][d - 1] = L(row, row - d)
-    T inverse[half] = {};       // 1/D of those rows
+    T L[half][half] = {};  // rows of L above: L[row % half][d - 1] = L(row, row - d)
+    T inverse[half] = {};  // 1/D of those rows
     T y[half] = {};
     bool whole = true;
     for (std::int64_t b = 0; b < beads; ++b) {
@@ -308,8 +339,8 @@ template <int iterations_ = 4> struct DirectBanded {
       auto r = rights<System>(env, b, list);
       for (int a = 0; a < kinds; ++a) {
         std::int64_t const row = b * kinds + a;
-        T raw[width] = {};      // L(row, row - d) D
-        T next[half] = {};      // L(row, row - d)
+        T raw[width] = {};  // L(row, row - d) D
+        T next[half] = {};  // L(row, row - d)
         T pivot = band[a * width];
         T const before = pivot;
         T right = r[a];
@@ -333,7 +364,7 @@ template <int iterations_ = 4> struct DirectBanded {
       env.template set<typename System::Band>(b, band);
       set_rights<System>(env, b, r, list);
     }
-    T sums[half] = {};          // what the rows below take from the next ones: sums[row % half]
+    T sums[half] = {};  // what the rows below take from the next ones: sums[row % half]
     for (std::int64_t b = beads - 1; b >= 0; --b) {
       auto const band = env.template get<typename System::Band>(b);
       auto r = rights<System>(env, b, list);
@@ -342,7 +373,8 @@ template <int iterations_ = 4> struct DirectBanded {
         int const at = static_cast<int>(row % half);
         r[a] = r[a] * band[a * width] - (band[a * width] > T(0) ? sums[at] : T(0));
         sums[at] = T(0);
-        for (int d = 1; d <= half && row >= d; ++d) sums[(row - d) % half] += band[a * width + d] * r[a];
+        for (int d = 1; d <= half && row >= d; ++d)
+          sums[(row - d) % half] += band[a * width + d] * r[a];
       }
       set_rights<System>(env, b, r, list);
     }
@@ -353,7 +385,8 @@ template <int iterations_ = 4> struct DirectBanded {
   MPMPBD_HD static void add_displacement(Env const& env, std::int64_t bead_, Vec3<T>& sum) {
     for (int s = 0; s < point_count<C> && bead_ - s >= 0; ++s) {
       auto const g = env.template get<typename System::template Gradient<C>>(bead_ - s);
-      sum += env.template get<typename System::template Right<C>>(bead_ - s) * vec(g[3 * s], g[3 * s + 1], g[3 * s + 2]);
+      sum += env.template get<typename System::template Right<C>>(bead_ - s) *
+             vec(g[3 * s], g[3 * s + 1], g[3 * s + 2]);
     }
   }
   // How far the changes of the multipliers move a bead [m].
@@ -365,15 +398,19 @@ template <int iterations_ = 4> struct DirectBanded {
   }
 
   // The length that the error of a bead's constraint stands for, |C + alpha f| / |grad C| [m].
-  template <class System, class C, class Env> MPMPBD_HD static auto error_length(Env const& env, std::int64_t b) {
+  template <class System, class C, class Env>
+  MPMPBD_HD static auto error_length(Env const& env, std::int64_t b) {
     using T = typename Env::Scalar;
     T const slope = norm(env.template get<typename System::template Gradient<C>>(b));
-    return slope > T(0) ? abs(env.template get<typename System::template Right<C>>(b)) / slope : T(0);
+    return slope > T(0) ? abs(env.template get<typename System::template Right<C>>(b)) / slope
+                        : T(0);
   }
   // The sum of all errors: how far one of them could carry the rest of the chain.
-  template <class System, class Env, class... Cs> MPMPBD_HD static auto sum_of_errors(Env const& env, TypeList<Cs...>) {
+  template <class System, class Env, class... Cs>
+  MPMPBD_HD static auto sum_of_errors(Env const& env, TypeList<Cs...>) {
     typename Env::Scalar sum{};
-    for (std::int64_t b = 0; b < env.template live<Beads>(); ++b) ((sum += error_length<System, Cs>(env, b)), ...);
+    for (std::int64_t b = 0; b < env.template live<Beads>(); ++b)
+      ((sum += error_length<System, Cs>(env, b)), ...);
     return sum;
   }
   // A linear step is good while segments turn by less than a radian or so: shortens it to that.
@@ -395,23 +432,29 @@ template <int iterations_ = 4> struct DirectBanded {
     if (part == T(1)) return;
     for (std::int64_t b = 0; b < beads; ++b) {
       auto r = rights<System>(env, b, list);
-      if (part > T(0)) r *= part;
-      else r = {};
+      if (part > T(0))
+        r *= part;
+      else
+        r = {};
       set_rights<System>(env, b, r, list);
     }
   }
 
   // Whether an instance of C is left with an error of more than a tenth of its first segment.
-  template <class C, class Team, class Env> MPMPBD_HD static std::uint32_t unsolved(Team const& team, Env const& env) {
+  template <class C, class Team, class Env>
+  MPMPBD_HD static std::uint32_t unsolved(Team const& team, Env const& env) {
     using T = typename Env::Scalar;
     std::uint32_t faults = 0;
     detail::for_each_instance<C>(team, env, [&](std::int64_t slot) {
       auto const one = detail::load_instance<C>(env, slot);
-      T const slope = norm(flatten<C, T>(one.at, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{}));
-      T const segment = norm(env.template get<bead::Position>(one.beads[1]) - env.template get<bead::Position>(one.beads[0]));
+      T const slope = norm(flatten<C, T>(
+          one.at, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{}));
+      T const segment = norm(env.template get<bead::Position>(one.beads[1]) -
+                             env.template get<bead::Position>(one.beads[0]));
       T const error = abs(one.at.value[0] + one.compliance * one.multiplier[0]);
       bool const moves = !is_held<C>(one.weights);
-      if (moves && !(T(10) * error <= segment * slope)) faults |= static_cast<std::uint32_t>(Fault::solver);
+      if (moves && !(T(10) * error <= segment * slope))
+        faults |= static_cast<std::uint32_t>(Fault::solver);
     });
     return faults;
   }
@@ -425,17 +468,20 @@ template <int iterations_ = 4> struct DirectBanded {
   MPMPBD_HD static void add_multipliers(Team const& team, Env const& env) {
     detail::for_each_instance<C>(team, env, [&](std::int64_t slot) {
       auto const first = get_vector<typename instance<C>::Index>(env, slot)[0];
-      auto const f = env.template get<typename instance<C>::Multiplier>(slot) + env.template get<typename System::template Right<C>>(first);
+      auto const f = env.template get<typename instance<C>::Multiplier>(slot) +
+                     env.template get<typename System::template Right<C>>(first);
       env.template set<typename instance<C>::Multiplier>(slot, f);
       env.template set<typename System::template Force<C>>(first, f);
       if constexpr (HasAcross<C>) {
         using Side = Across<C>;
         env.template set<typename System::template Force<Side>>(
-            first, env.template get<typename System::template Force<Side>>(first) + env.template get<typename System::template Right<Side>>(first));
+            first, env.template get<typename System::template Force<Side>>(first) +
+                       env.template get<typename System::template Right<Side>>(first));
       }
       if constexpr (is_length<C>) {
         auto const l = env.template get<typename System::template Length<C>>(first);
-        env.template set<typename System::template Length<C>>(first, l - env.template get<typename System::template Alpha<C>>(first) * f);
+        env.template set<typename System::template Length<C>>(
+            first, l - env.template get<typename System::template Alpha<C>>(first) * f);
       }
     });
   }

@@ -22,7 +22,8 @@ template <int iterations_> struct Jacobi {
   template <class Set> using ScratchFields = Fields<bead::Correction, bead::Share>;
 
   template <class Set, class Team, class Env, class T, class... Cs>
-  MPMPBD_HD static std::uint32_t begin(Team const& team, Env const& env, Tick<T> const&, TypeList<Cs...>) {
+  MPMPBD_HD static std::uint32_t begin(Team const& team, Env const& env, Tick<T> const&,
+                                       TypeList<Cs...>) {
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       env.template set<bead::Share>(b, T(0));
       env.template set<bead::Correction>(b, Vec3<T>{});
@@ -33,10 +34,12 @@ template <int iterations_> struct Jacobi {
   }
 
   template <class Set, class Team, class Env, class T, class... Cs>
-  MPMPBD_HD static std::uint32_t iterate(Team const& team, Env const& env, Tick<T> const& tick, TypeList<Cs...>) {
+  MPMPBD_HD static std::uint32_t iterate(Team const& team, Env const& env, Tick<T> const& tick,
+                                         TypeList<Cs...>) {
     (collect<Cs>(team, env, tick.dt * tick.dt), ...);
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
-      env.template set<bead::Position>(b, env.template get<bead::Position>(b) + env.template get<bead::Correction>(b));
+      env.template set<bead::Position>(
+          b, env.template get<bead::Position>(b) + env.template get<bead::Correction>(b));
       env.template set<bead::Correction>(b, Vec3<T>{});
     });
     team.sync();
@@ -44,7 +47,8 @@ template <int iterations_> struct Jacobi {
   }
 
  private:
-  template <class C, class Team, class Env> MPMPBD_HD static void count(Team const& team, Env const& env) {
+  template <class C, class Team, class Env>
+  MPMPBD_HD static void count(Team const& team, Env const& env) {
     using T = typename Env::Scalar;
     detail::for_each_colour<C>(team, env, [&](std::int64_t slot) {
       auto const beads = get_vector<typename instance<C>::Index>(env, slot);
@@ -57,7 +61,8 @@ template <int iterations_> struct Jacobi {
     detail::for_each_colour<C>(team, env, [&](std::int64_t slot) {
       auto one = detail::load_instance<C>(env, slot);
       auto split = one;
-      for (int i = 0; i < point_count<C>; ++i) split.weights[i] *= env.template get<bead::Share>(one.beads[i]);
+      for (int i = 0; i < point_count<C>; ++i)
+        split.weights[i] *= env.template get<bead::Share>(one.beads[i]);
       auto const d = detail::correction<C>(split, dt2);
       // Each part moves n times as far as the whole bead would; their average is the whole bead's share.
       detail::for_each_displacement<C>(one, d, dt2, [&](std::int64_t b, Vec3<T> const& move) {
