@@ -9,7 +9,6 @@
 #include <string>
 
 #include <mpmpbd/mpm/lattice.hpp>
-#include <mpmpbd/mpm/scatter.hpp>
 #include <mpmpbd/testing/law.hpp>
 #include <mpmpbd/testing/samples.hpp>
 #include <mpmpbd/testing/worst.hpp>
@@ -50,8 +49,14 @@ struct StencilSums {
 };
 
 template <class Shape, class T> StencilSums stencil_sums(Stencil<T, Shape> const& s) {
-  AxisWeights<T, Shape::width> w[3];
-  for (int a = 0; a < 3; ++a) w[a] = mpmpbd::detail::axis_weights<Shape, true>(s.f[a]);
+  struct {
+    T weight[Shape::width], slope[Shape::width];
+  } w[3];
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < Shape::width; ++i) {
+      w[a].weight[i] = Shape::weight(i, s.f[a]);
+      w[a].slope[i] = Shape::slope(i, s.f[a]);
+    }
   StencilSums sums;
   for (int k = 0; k < Shape::width; ++k)
     for (int j = 0; j < Shape::width; ++j)
