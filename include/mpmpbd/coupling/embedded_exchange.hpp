@@ -112,6 +112,7 @@ template <class In> struct ExchangeImpulses {
     load_points(team, env, x);
     load_thread(team, env, context, x, a);
     load_needle(team, env, context, x);
+    hold_thread(env, context, x);
     place_thread_points(team, x);
     place_needle_points(team, env, context, x);
     place_attachments(team, env, x);
@@ -311,6 +312,23 @@ template <class In> struct ExchangeImpulses {
     if constexpr (!Needle::is_dynamic) {
       x.thread.velocity[b] = end.velocity;
       const_cast<bool*>(x.thread.known)[b] = true;
+    }
+  }
+
+  // The thread leaves the needle as the wire ends. Every lane has its own view, so all of them note it.
+  template <class Env, class Ctx, class X>
+  MPMPBD_HD static void hold_thread([[maybe_unused]] Env const& env, [[maybe_unused]] Ctx const& context,
+                                    [[maybe_unused]] X& x) {
+    using T = typename X::Scalar;
+    if constexpr (In::has_needle && swaged) {
+      if (x.needle_points == 0 || env.template live<Instances<Swage>>() == 0) return;
+      auto const& d = env.template domain<Needles>();
+      auto const arc = Needle::arc(context.template of<Needle>());
+      Vec3<T> const tangent = quaternion::rotate(needle::pose(d.view, d.first).orientation, arc.tangent(arc.length()));
+      auto const b = static_cast<int>(env.template get<typename instance<Swage>::Index>(0));
+      bool const starts = detail::is_segment(x.thread, b);
+      x.thread.held = b;
+      x.thread.held_tangent = starts ? -tangent : tangent;
     }
   }
 

@@ -20,6 +20,8 @@ template <class T> struct ThreadState {
   T* impulse;               // lambda of segment k [N s], tension * dt; carried over
   T stretch_compliance;     // 1/EA [1/N]; 0: inextensible
   T bending_stiffness;      // EI [N m^2]
+  int held = -1;            // bead whose tangent is given: a swaged one, which goes on as the needle does
+  Vec3<T> held_tangent{};   // unit, towards the next bead
 };
 
 // A joint in its present shape: how its turning angle changes with the three beads around it.
@@ -139,14 +141,15 @@ MPMPBD_HD void measure_segments(Team_ const& team, ThreadState<T> const& s, Thre
 }
 
 // Tangents at the beads: between the chords. The chord itself, taken as the tangent of its points, locks
-// a thread that is pulled round a bend.
+// a thread that is pulled round a bend. At a swage it is the needle's: with the chord's, which cuts the
+// corner of the needle's arc, needle and thread would hold the same tissue in different directions.
 template <class T, bool bends, class Team_>
 MPMPBD_HD void bead_tangents(Team_ const& team, ThreadState<T> const& s, ThreadWork<T, bends> const& w) {
   team.each(s.beads, [&](int k) {
     Vec3<T> const before = k > 0 ? w.links[k - 1].direction : Vec3<T>{};
     Vec3<T> const after = w.links[k].direction;
     Vec3<T> const mean = direction(before + after);
-    w.tangent[k] = dot(mean, mean) > T(0) ? mean : after;
+    w.tangent[k] = k == s.held ? s.held_tangent : (dot(mean, mean) > T(0) ? mean : after);
   });
   team.sync();
 }
