@@ -63,7 +63,7 @@ TEST_CASE("preset paper has the numbers of the reference system", "[catalog][pre
 TEST_CASE("preset phantom has the numbers of the bench", "[catalog][preset]") {
   auto const c = read("phantom");
   auto const material = c.thread.material();
-  REQUIRE(material.bending_stiffness() == Approx(2.75e-7).epsilon(2e-3));
+  REQUIRE(material.bending_stiffness() == Approx(0.003 * 2.75e-7).epsilon(2e-3));
   REQUIRE(material.axial_stiffness() == Approx(83.1).epsilon(1e-3));
   REQUIRE(c.tissue.point_count() == 20000);
   auto dry = c;

@@ -3,6 +3,7 @@
 
 #include <mpmpbd/catalog/suturing_config.hpp>
 #include <mpmpbd/coupling/embedded.hpp>
+#include <mpmpbd/effects/air.hpp>
 #include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/effects/viscosity.hpp>
 #include <mpmpbd/effects/walls.hpp>
@@ -16,19 +17,41 @@ struct SoftTissue : Mpm<NeoHookean> {};
 struct Suture : Pbd<Constraints<Distance, Bend, Swage>> {};
 using Floor = Wall<Sticky, 2, Side::low>;
 struct Suturing : Scene<SoftTissue, Suture, ArcNeedle, Surface, Coupling<Embedded, Friction, Drag>,
-                        Gravity, Viscosity, Floor> {};
+                        Gravity, Viscosity, Air, Floor> {};
 
 namespace suturing {
 
-// The thread at the start: from the needle's blunt end, away from tissue, in one easy sweep [m].
+// n points on a polyline, each a distance `step` [m] from the one before; on and on along its last piece.
+inline std::vector<Vec3<double>> paces(std::vector<Vec3<double>> const& line, int n, double step) {
+  std::vector<Vec3<double>> points{line.front()};
+  std::size_t piece = 1;
+  while (static_cast<int>(points.size()) < n) {
+    Vec3<double> const from = points.back();
+    while (piece + 1 < line.size() && norm(line[piece] - from) < step) ++piece;
+    // Where the piece leaves the ball of radius `step` around the last point.
+    Vec3<double> const along = direction(line[piece] - line[piece - 1]);
+    Vec3<double> const arm = line[piece - 1] - from;
+    double const b = dot(arm, along);
+    double const reach = -b + std::sqrt(std::max(b * b + step * step - dot(arm, arm), 0.0));
+    points.push_back(line[piece - 1] + reach * along);
+  }
+  return points;
+}
+
+// The thread at the start: down from the needle's blunt end, then along the top of the tissue beside the
+// needle's way, towards the side where the needle goes in. From there it is drawn after the needle.
 inline std::vector<Vec3<double>> thread_line(SuturingConfig const& c) {
+  auto const path = c.path();
   auto const pose = c.script().start;
-  auto const end = swage_point(c.needle.arc(), pose, Sweep<double>::of(pose, {}, c.time.step));
-  Vec3<double> const back = direction(vec(end.direction[0], 2.0, 0.6));
-  std::vector<Vec3<double>> line;
-  int const n = c.thread.beads;
-  for (int k = 0; k < n; ++k)  // the last bead is at the needle
-    line.push_back(end.position + (c.thread.segment() * (n - 1 - k)) * back);
+  auto const end = swage_point(c.needle.arc(), pose, Sweep<double>::of(pose, {}, c.time.step)).position;
+  Vec3<double> const back = -direction(c.exit() - c.entry()), aside = -path.axis;
+  double const above = 0.1 * c.domain.cell_size + c.thread.radius;
+  Vec3<double> const foot = end - (dot(end - c.entry(), path.up) - above) * path.up;
+  double const r = c.needle.radius;
+  std::vector<Vec3<double>> const way{end, foot + 0.5 * r * aside, foot + 0.9 * r * aside + 0.5 * r * back,
+                                      foot + 0.9 * r * aside + c.thread.length * back};
+  auto line = paces(way, c.thread.beads, c.thread.segment());
+  std::reverse(line.begin(), line.end());  // the last bead is at the needle
   return line;
 }
 
@@ -78,6 +101,7 @@ template <class Sim> void set_up(Sim& sim, std::int64_t env, SuturingConfig cons
   sim.template set<NeoHookean>(env, c.tissue.lame());
   sim.template set<Viscosity>(env, {c.tissue.viscosity});
   sim.template set<Gravity>(env, {{c.domain.gravity[0], c.domain.gravity[1], c.domain.gravity[2]}});
+  sim.template set<Air>(env, {c.thread.air});
   sim.template set<Floor>(env, {c.tissue.corner[2]});
   sim.template set<ArcNeedle>(env, c.needle.parameters());
   sim.template set<Embedded>(env, {c.thread.radius});
@@ -106,6 +130,12 @@ template <class Sim> void set_up(Sim& sim, std::int64_t env, SuturingConfig cons
   auto const start = c.script().start;
   needle::set_pose(needles, item, cast_pose<T>(start));
   Tip<T>::at(cast<T>(to_world(start, c.needle.arc().point(0.0)))).store(needles, item);
+}
+
+// Takes the coupling away: a surface without triangles is never met, so neither needle nor thread touches
+// tissue. What a stitch is judged by has to fail then.
+template <class Sim> void uncouple(Sim& sim, std::int64_t env) {
+  sim.state().template table<SheetTriangles>().set_live(env, 0);
 }
 
 }  // namespace suturing

@@ -131,8 +131,10 @@ struct ThreadConfig {
   double radius = 0.00575;
   double young_modulus = 33e9;
   double density = 1140.0;
+  double bending_share = 0.003;
+  double air = 5.0;
 
-  RodMaterial material() const { return {young_modulus, radius, density}; }
+  RodMaterial material() const { return {young_modulus, radius, density, bending_share}; }
   double segment() const { return length / (beads - 1); }  // [m]
 
   void declare(ConfigKeys& keys) {
@@ -142,6 +144,9 @@ struct ThreadConfig {
     keys(young_modulus, bound::positive("young_modulus_pa", "Pa"),
          "Young's modulus, for stretch and bending");
     keys(density, bound::positive("density_kg_m3", "kg/m^3"), "density");
+    keys(bending_share, {"bending_share", "1", 0.0, 1.0, false, true},
+         "of the bending stiffness of a solid wire; about 1 over the filaments of a braid");
+    keys(air, bound::not_negative("air_per_s", "1/s"), "rate at which the free thread loses its speed");
   }
   bool operator==(ThreadConfig const&) const = default;
 };
