@@ -50,12 +50,12 @@ struct StencilSums {
 
 template <class Shape, class T> StencilSums stencil_sums(Stencil<T, Shape> const& s) {
   struct {
-    T weight[Shape::width], slope[Shape::width];
+    double weight[Shape::width], slope[Shape::width];
   } w[3];
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < Shape::width; ++i) {
-      w[a].weight[i] = Shape::weight(i, s.f[a]);
-      w[a].slope[i] = Shape::slope(i, s.f[a]);
+      w[a].weight[i] = double(Shape::weight(i, s.f[a]));
+      w[a].slope[i] = double(Shape::slope(i, s.f[a]));
     }
   StencilSums sums;
   for (int k = 0; k < Shape::width; ++k)
