@@ -5,12 +5,42 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root"
 
-compgen -G 'examples/[0-9][0-9]_stitch.cpp' >/dev/null ||
-  die "the demo is not built yet: there is no examples/NN_stitch.cpp in this version"
-
+preset=${1:-paper}
+case $preset in
+  paper | phantom) ;;
+  *)
+    echo "Usage: scripts/demo.sh [paper|phantom]" >&2
+    die "unknown preset '$preset'"
+    ;;
+esac
 build=$build_root/demo
+out=$root/out/$preset
+
 step "set-up" scripts/setup.sh demo --no-cuda
 step "configure" cmake --preset release -B "$build" \
   -DMPMPBD_CUDA=OFF -DMPMPBD_TESTS=OFF -DMPMPBD_BENCH=OFF
 step "build" cmake --build "$build" -j "$jobs" --target stitch
-exec "$build/examples/stitch" --preset "${1:-paper}" --out "$root/out/${1:-paper}"
+stitch=$build/examples/stitch
+
+# The first steps of a run tell how long all of it takes: 2500 steps, and 200 frames at half a second.
+if [[ $preset == phantom ]]; then
+  begin=$(date +%s%N)
+  "$stitch" --preset phantom --steps 40 --no-video --unfinished --out "$build/estimate" >/dev/null 2>&1
+  seconds=$((2500 * ($(date +%s%N) - begin) / 40 / 1000000000 + 200 / 2))
+  say "preset phantom takes about $((seconds / 60 + 1)) minutes on this machine"
+fi
+
+status=0
+step "stitch" "$stitch" --preset "$preset" --out "$out" || status=$?
+# Another Python may come before Debian's, for which matplotlib was installed.
+python=python3
+"$python" -c 'import matplotlib' 2>/dev/null || python=/usr/bin/python3
+if [[ -f $out/summary.json ]]; then
+  step "plot" "$python" scripts/plot_force_depth.py "$out" || status=1
+fi
+say "picture  $out/stitch.png"
+say "video    $out/stitch.mp4 and $out/stitch_small.mp4"
+say "plot     $out/force_depth.png"
+say "summary  $out/summary.json"
+say "ParaView $out/stitch.pvd"
+exit "$status"
