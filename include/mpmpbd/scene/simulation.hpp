@@ -69,18 +69,20 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   // volume of each [m^3]. Refuses positions outside the domain and more points than the capacity.
   void add_particles(std::int64_t env, std::span<Vec3<double> const> positions, double density,
                      double volume) requires(Scene_::has_body) {
-    check_parameter("Simulation::add_particles", bound::positive("density", "kg/m^3"), density);
-    check_parameter("Simulation::add_particles", bound::positive("volume", "m^3"), volume);
-    for (auto const& x : positions) check_position(x);
-    auto& table = state_.template table<Particles>();
-    std::int64_t slot = table.live(env);
-    table.set_live(env, slot + static_cast<std::int64_t>(positions.size()));
-    for (auto const& x : positions) {
-      table.template set<particle::Position>(env, slot, cast<T>(x));
-      table.template set<particle::Mass>(env, slot, T(density * volume));
-      table.template set<particle::Volume>(env, slot, T(volume));
-      table.template set<particle::Deformation>(env, slot, Mat3<T>::identity());
-      ++slot;
+    if constexpr (Scene::has_body) {  // clang 14 instantiates it in spite of the requirement
+      check_parameter("Simulation::add_particles", bound::positive("density", "kg/m^3"), density);
+      check_parameter("Simulation::add_particles", bound::positive("volume", "m^3"), volume);
+      for (auto const& x : positions) check_position<typename Scene::Body>(x);
+      auto& table = state_.template table<Particles>();
+      std::int64_t slot = table.live(env);
+      table.set_live(env, slot + static_cast<std::int64_t>(positions.size()));
+      for (auto const& x : positions) {
+        table.template set<particle::Position>(env, slot, cast<T>(x));
+        table.template set<particle::Mass>(env, slot, T(density * volume));
+        table.template set<particle::Volume>(env, slot, T(volume));
+        table.template set<particle::Deformation>(env, slot, Mat3<T>::identity());
+        ++slot;
+      }
     }
   }
 
@@ -232,8 +234,8 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
                                                 "; give 0 (automatic) or a positive number");
   }
 
-  void check_position(Vec3<double> const& x) const requires(Scene_::has_body) {
-    using Shape = typename Scene::Body::Shape;
+  template <class Body> void check_position(Vec3<double> const& x) const {
+    using Shape = typename Body::Shape;
     for (int a = 0; a < 3; ++a) {
       double const low = lowest_cell<Shape, double>() * options_.cell_size;
       double const high = highest_cell<Shape, double>(options_.nodes[a]) * options_.cell_size;
@@ -271,10 +273,14 @@ void Simulation<Scene_, Backend, T>::step(double h) {
 
 template <class Scene_, class Backend, class T>
 double Simulation<Scene_, Backend, T>::suggest_dt(std::int64_t env) requires(Scene_::has_body) {
-  workspaces_.resize(workspaces_.empty() ? 1 : workspaces_.size());
-  HostEnvironment<Scene, T, Serial> run(state_, env, context_of(env), workspaces_[0], Serial{});
-  std::uint32_t faults = 0;
-  return double(mpmpbd::suggest_dt<typename Scene::Body>(run.bounds(faults), lattice_.dx));
+  if constexpr (Scene::has_body) {
+    workspaces_.resize(workspaces_.empty() ? 1 : workspaces_.size());
+    HostEnvironment<Scene, T, Serial> run(state_, env, context_of(env), workspaces_[0], Serial{});
+    std::uint32_t faults = 0;
+    return double(mpmpbd::suggest_dt<typename Scene::Body>(run.bounds(faults), lattice_.dx));
+  } else {
+    return static_cast<void>(env), 0.0;
+  }
 }
 
 }  // namespace mpmpbd
