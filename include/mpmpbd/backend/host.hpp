@@ -76,9 +76,9 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     std::vector<StepBounds<T>> of_chunk(static_cast<std::size_t>(chunks()));
     if constexpr (Scene::has_body) {
       using Body = typename Scene::Body;
-      using Damping = in_slot_t<Slot::before_scatter, typename Scene::Effects>;
+      using Damped = in_slot_t<Slot::before_scatter, typename Scene::Effects>;
       using Used = union_t<typename Body::Material::Reads, typename Scatter<Body>::Reads,
-                           typename detail::ReadsOf<Damping>::type>;
+                           typename detail::ReadsOf<Damped>::type>;
       using Read = stored_t<on_t<Used, Particles>>;
       auto const view = state_.template view<Particles>();
       lanes_.for_each(chunks(), [&](std::int64_t c, int) {
@@ -87,7 +87,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
           Local<T, Used> p;
           p.load(view, index, Read{});
           auto one = step_bounds<Body>(p, context_.template of<typename Body::Material>());
-          include_damping(one, p, Damping{});
+          include_damping(one, p, Damped{});
           if (!is_finite(one.frequency2 + one.damping + one.speed + one.rate +
                          dot(p[particle::Position{}], p[particle::Position{}])))
             work_.faults[static_cast<std::size_t>(c)] |=

@@ -36,9 +36,9 @@ struct Distance {
     using T = typename X::Scalar;
     Evaluation<Distance, T> e;
     Vec3<T> const d = get<1>(x) - get<0>(x);
-    T const length = norm(d);
-    Vec3<T> const n = detail::direction_or_axis(d, length, k.rest_length);
-    e.value[0] = length - k.rest_length;
+    T const l = norm(d);
+    Vec3<T> const n = detail::direction_or_axis(d, l, k.rest_length);
+    e.value[0] = l - k.rest_length;
     gradient<0>(e) = transpose(-n);
     gradient<1>(e) = transpose(n);
     return e;

@@ -232,24 +232,24 @@ template <int iterations_ = 4> struct DirectBanded {
       auto const g = flatten<C, T>(one.at, Points{});
       T f = one.multiplier[0];
       if constexpr (HasAcross<C>) {
-        using Side = Across<C>;
+        using Sideways = Across<C>;
         auto const side = C::across(one.x, one.k);
         auto const h = flatten<C, T>(side, Points{});
         // The force found so far is a vector: it keeps its direction when the joint's plane turns, or flips.
         auto const force = f * env.template get<typename System::template Gradient<C>>(b) +
-                           env.template get<typename System::template Force<Side>>(b) *
-                               env.template get<typename System::template Gradient<Side>>(b);
+                           env.template get<typename System::template Force<Sideways>>(b) *
+                               env.template get<typename System::template Gradient<Sideways>>(b);
         f = component(force, g);
         T const f_side = component(force, h);
         env.template set<typename instance<C>::Multiplier>(slot, f);
         T const part = side.value[0];
         bool const acts = part > T(0) && (one.compliance > T(0) || part == T(1));
         T const alpha = acts ? one.compliance / part : T(-1);
-        env.template set<typename System::template Gradient<Side>>(
+        env.template set<typename System::template Gradient<Sideways>>(
             b, acts ? h : Vec<T, 3 * point_count<C>>{});
-        env.template set<typename System::template Alpha<Side>>(b, alpha);
-        env.template set<typename System::template Force<Side>>(b, acts ? f_side : T(0));
-        env.template set<typename System::template Right<Side>>(b, acts ? -alpha * f_side : T(0));
+        env.template set<typename System::template Alpha<Sideways>>(b, alpha);
+        env.template set<typename System::template Force<Sideways>>(b, acts ? f_side : T(0));
+        env.template set<typename System::template Right<Sideways>>(b, acts ? -alpha * f_side : T(0));
       }
       env.template set<typename System::template Gradient<C>>(b, g);
       env.template set<typename System::template Right<C>>(b,
@@ -473,10 +473,10 @@ template <int iterations_ = 4> struct DirectBanded {
       env.template set<typename instance<C>::Multiplier>(slot, f);
       env.template set<typename System::template Force<C>>(first, f);
       if constexpr (HasAcross<C>) {
-        using Side = Across<C>;
-        env.template set<typename System::template Force<Side>>(
-            first, env.template get<typename System::template Force<Side>>(first) +
-                       env.template get<typename System::template Right<Side>>(first));
+        using Sideways = Across<C>;
+        env.template set<typename System::template Force<Sideways>>(
+            first, env.template get<typename System::template Force<Sideways>>(first) +
+                       env.template get<typename System::template Right<Sideways>>(first));
       }
       if constexpr (is_length<C>) {
         auto const l = env.template get<typename System::template Length<C>>(first);
