@@ -1,0 +1,171 @@
+// A bent thread that would rather be straight, in soft tissue: how far does it straighten the tissue?
+//
+// The answer must be that of its bending stiffness EI, whatever the thread weighs. Reference: the same
+// bending and stretching forces, laid on the tissue itself along a line of tracers, without any thread.
+// The thread sticks to the tissue, as such a line does.
+#pragma once
+
+#include "physics/tissue_block.hpp"
+
+namespace test {
+
+// Loss of sag under a dead load of EI = 16, dt 0.02; computed again by
+// `test_physics_coupling_bent_reference_long`.
+inline constexpr double dead_load_straightens = 0.2533;
+
+enum class Bend { in_solve, before_solve, explicit_before, dead_load };
+
+struct BendCase {
+  double stiffness = 4;  // EI
+  double stretch = 20;   // EA
+  double bead_mass = 1e-4, dt = 0.1, end = 100;
+  int segments = 6;
+  Bend how = Bend::in_solve;
+};
+struct BendResult {
+  double straightened = 0;  // loss of sag of the tissue along the thread [cells]
+  double slip = 0;          // largest distance of tissue tracers from the thread
+  bool ran_away = false;
+};
+
+template <class T> struct BentRest {
+  using Q = mpmpbd::QuadraticBSpline;
+  using Bending = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, true>;
+  using Limp = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, false>;
+  int segments;
+  BendCase c;
+  Rig<T, Bending> rig{17, 17, 12};
+  Tissue<T> tissue;
+  std::vector<Vec3<T>> line;    // tissue points where the beads were: carries the dead load
+  std::vector<Vec3<T>> tracer;  // tissue points where the thread held the tissue first
+  std::vector<char> limp_memory;
+
+  explicit BentRest(BendCase const& c_) : segments(c_.segments), c(c_) {
+    tissue.dt = rig.dt = rig.previous_dt = T(c.dt);
+    tissue.damping = T(0.3);
+    tissue.fill(mpmpbd::vec(4.0, 4.0, 3.0), mpmpbd::vec(12.0, 12.0, 8.0), 0.4);
+    tissue.fixed.assign(rig.mass.size(), 0);
+    for (std::size_t i = 0; i < 17 * 17 * 4; ++i) tissue.fixed[i] = 1;  // the floor
+    for (int k = 0; k <= segments; ++k) {
+      double const a = (10 + 70.0 * k / segments) * mpmpbd::pi<double> / 180;
+      rig.add_bead(mpmpbd::vec(T(5.5 + 4 * std::cos(a)), T(5.5 + 4 * std::sin(a)), T(5.6)), T(c.bead_mass));
+    }
+    rig.allocate();
+    rig.stretch_compliance = T(1 / c.stretch);
+    rig.friction = {T(1e3), T(1e3)};
+    rig.bending_stiffness = T(c.stiffness);
+    line = rig.bead;
+    for (std::size_t k = 0; k + 1 < line.size(); ++k)
+      for (T s : {T(0.2113), T(0.7887)}) tracer.push_back((1 - s) * line[k] + s * line[k + 1]);
+    limp_memory.assign(mpmpbd::exchange_bytes<T, Limp>(rig.capacity()), 0);
+  }
+  // Distance of the middle of the line from its chord.
+  double sag() const {
+    auto const d = tracer.back() - tracer.front();
+    auto const n = tracer.size();
+    auto const m = T(0.5) * (tracer[n / 2 - 1] + tracer[n / 2]) - tracer.front();
+    return double(mpmpbd::norm(m - mpmpbd::dot(m, d) / mpmpbd::dot(d, d) * d));
+  }
+  // Bending forces of a polyline, for the schemes that apply them as forces.
+  std::vector<Vec3<T>> forces(std::vector<Vec3<T>>& of) {
+    auto state = rig.thread();
+    state.position = of.data();
+    auto const x = rig.view();
+    mpmpbd::measure_segments(mpmpbd::Solo{}, state, x.thread_work, rig.dt);
+    std::vector<Vec3<T>> f(of.size());
+    for (int k = 1; k + 1 < state.beads; ++k) {
+      auto const j = mpmpbd::detail::bend_joint(state, x.thread_work.links, x.thread_work.length, k);
+      for (std::size_t a = 0; a < 3; ++a) f[std::size_t(k) - 1 + a] -= j.stiffness * j.excess * j.in_plane[a];
+    }
+    return f;
+  }
+  void add_stretch(std::vector<Vec3<T>> const& of, std::vector<Vec3<T>>& f) const {
+    for (std::size_t k = 0; k + 1 < of.size(); ++k) {
+      Vec3<T> const d = of[k + 1] - of[k];
+      T const l = mpmpbd::norm(d), pull = T(c.stretch) * (l / rig.rest_length[k] - 1);
+      f[k] += pull / l * d;
+      f[k + 1] -= pull / l * d;
+    }
+  }
+  void push_tissue() {
+    auto f = forces(line);
+    add_stretch(line, f);
+    for (std::size_t k = 0; k < line.size(); ++k) {
+      T w[27];
+      int node[27];
+      mpmpbd::embedding_weights<Q>(rig.lattice, line[k], rig.nodes(), w, node);
+      for (std::size_t a = 0; a < 27; ++a) {
+        auto const i = std::size_t(node[a]);
+        rig.velocity[i] += rig.dt * w[a] * rig.inverse_mass[i][0] * f[k];
+      }
+    }
+  }
+  // The thread alone, implicitly: bending, tension and stretch, then contact without bending.
+  void bend_thread_alone() {
+    auto x = rig.view();
+    mpmpbd::Solo const team;
+    mpmpbd::measure_segments(team, x.thread, x.thread_work, rig.dt);
+    mpmpbd::assemble_thread(team, x.thread, x.thread_work, rig.dt);
+    auto& t = x.thread_work;
+    mpmpbd::ChainSystem<T, true> const chain{x.thread.beads, t.base, t.links, x.thread.known, nullptr};
+    mpmpbd::ChainFactors<T, true> const factors{t.factors, nullptr};
+    if (!mpmpbd::factor_chain(chain, factors)) return;
+    std::vector<Vec3<T>> V(t.inertia, t.inertia + x.thread.beads);
+    std::vector<T> lambda(t.gap_speed, t.gap_speed + x.thread.beads);
+    mpmpbd::solve_chain(chain, factors, V.data(), lambda.data());
+    rig.bead_velocity = V;
+  }
+  template <class Form> bool exchange_as(void* memory) {
+    mpmpbd::ExchangeView<T, Form> x{};
+    auto const full = rig.view();
+    x.lattice = full.lattice;
+    x.rest_density = full.rest_density;
+    x.dt = full.dt;
+    x.previous_dt = full.previous_dt;
+    x.thread = full.thread;
+    x.needle = full.needle;
+    x.points = full.points;
+    x.friction = full.friction;
+    mpmpbd::use_workspace(x, rig.capacity(), memory, rig.slots.data());
+    mpmpbd::Solo const team;
+    mpmpbd::place_thread_points(team, x);
+    mpmpbd::embed_points(team, x, rig.nodes());
+    return mpmpbd::exchange(team, x, rig.nodes()) == 0;
+  }
+
+  BendResult run() {
+    BendResult r;
+    double const before = sag();
+    for (double t = 0; t < c.end && !r.ran_away; t += c.dt) {
+      rig.bending_stiffness = T(c.stiffness * std::min(1.0, t / 40));  // slowly: no slip from a jerk
+      tissue.scatter(rig);
+      if (c.how == Bend::dead_load) push_tissue();
+      if (c.how == Bend::before_solve) bend_thread_alone();
+      if (c.how == Bend::explicit_before) {
+        auto const f = forces(rig.bead);
+        for (std::size_t k = 0; k < f.size(); ++k) rig.bead_velocity[k] += T(c.dt / c.bead_mass) * f[k];
+      }
+      if (c.how == Bend::in_solve) r.ran_away = !exchange_as<Bending>(rig.memory.data());
+      else if (c.how != Bend::dead_load) r.ran_away = !exchange_as<Limp>(limp_memory.data());
+      for (auto& p : line) p += rig.dt * Tissue<T>::velocity_at(rig, p);
+      for (auto& p : tracer) p += rig.dt * Tissue<T>::velocity_at(rig, p);
+      tissue.gather(rig);
+      for (auto const& p : rig.bead) r.ran_away |= !(mpmpbd::norm(p - mpmpbd::vec(T(8), T(8), T(5.6))) < T(6));
+      for (auto const& p : tracer) r.ran_away |= !(mpmpbd::norm(p - mpmpbd::vec(T(8), T(8), T(5.6))) < T(6));
+    }
+    r.straightened = before - sag();
+    for (auto const& p : tracer) r.slip = std::max(r.slip, double(distance(p)));
+    return r;
+  }
+  T distance(Vec3<T> const& p) const {
+    T far = T(1e9);
+    for (std::size_t k = 0; k + 1 < rig.bead.size(); ++k) {
+      Vec3<T> const d = rig.bead[k + 1] - rig.bead[k];
+      T const u = mpmpbd::clamp(mpmpbd::dot(p - rig.bead[k], d) / mpmpbd::dot(d, d), T(0), T(1));
+      far = mpmpbd::min(far, mpmpbd::norm(p - rig.bead[k] - u * d));
+    }
+    return far;
+  }
+};
+
+}  // namespace test

@@ -1,0 +1,5 @@
+// T90 in float. See bent_thread.hpp.
+// seconds: 130
+#include "physics/bent_thread_checks.hpp"
+
+TEST_CASE("a taut bent thread stays where it is, in float", "[coupling][T90]") { test::check_bent_threads<float>(); }
