@@ -9,11 +9,13 @@
 #include <string_view>
 
 #include <mpmpbd/catalog/scenes.hpp>
+#include <mpmpbd/catalog/suturing.hpp>
 
 // Applies a macro to every scene of the catalogue. `M(Scene)`.
 #define MPMPBD_CATALOG_SCENES(M) \
   M(mpmpbd::catalog::Tissue)     \
-  M(mpmpbd::catalog::Suture)
+  M(mpmpbd::catalog::Suture)     \
+  M(mpmpbd::Suturing)
 
 #define MPMPBD_CATALOG_SIMULATIONS(KEYWORD, SCENE)                          \
   KEYWORD template class mpmpbd::Simulation<SCENE, mpmpbd::Serial, float>;  \

@@ -9,12 +9,13 @@ namespace mpmpbd::catalog {
 
 namespace {
 template <class Scene> std::string plan_of() { return plan<Scene, Serial, float>(); }
-template <class Scene> constexpr Entry about(std::string_view text) {
-  return {Scene::name.view(), text, &plan_of<Scene>};
+template <class Scene> constexpr Entry about(std::string_view name, std::string_view text) {
+  return {name, text, &plan_of<Scene>};
 }
 constexpr std::array all{
-    about<Tissue>("a block of soft tissue on a floor that it sticks to"),
-    about<Suture>("threads that resist stretch and bending"),
+    about<Tissue>("tissue", "a block of soft tissue on a floor that it sticks to"),
+    about<Suture>("suture", "threads that resist stretch and bending"),
+    about<Suturing>("suturing", "soft tissue, an arc needle and the thread behind it"),
 };
 }  // namespace
 

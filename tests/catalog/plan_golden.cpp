@@ -33,7 +33,7 @@ TEST_CASE("a scene without a part has no trace of it", "[catalog][plan]") {
 
 TEST_CASE("an unknown scene is refused with the names that there are", "[catalog]") {
   REQUIRE_THROWS_WITH(catalog::entry("sutur"),
-                      Catch::Contains("no scene 'sutur'; there are tissue, suture"));
+                      Catch::Contains("no scene 'sutur'; there are tissue, suture, suturing"));
 }
 
 // The functions with all loops come from the library, for each back end and precision.

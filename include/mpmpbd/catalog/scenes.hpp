@@ -18,14 +18,10 @@ namespace mpmpbd::catalog {
 // A block of soft tissue on a floor that it sticks to.
 struct NeoHookeanBody : Mpm<NeoHookean> {};
 using Bottom = Wall<Sticky, 2, Side::low>;
-struct Tissue : Scene<NeoHookeanBody, Gravity, Viscosity, Bottom> {
-  static constexpr FixedString name = "tissue";
-};
+struct Tissue : Scene<NeoHookeanBody, Gravity, Viscosity, Bottom> {};
 
 // Threads that resist stretch and bending, solved directly.
 struct ElasticThread : Pbd<Constraints<Distance, Bend>, DirectBanded<>> {};
-struct Suture : Scene<ElasticThread, Gravity, Damping> {
-  static constexpr FixedString name = "suture";
-};
+struct Suture : Scene<ElasticThread, Gravity, Damping> {};
 
 }  // namespace mpmpbd::catalog
