@@ -43,11 +43,11 @@ TEST_CASE("A3.1: one spring, one iteration is implicit Euler", "[constraint][phy
 
 namespace {
 // Static sag of N links of compliance a under their beads' weight, over the exact value.
-template <class Body> double sag(double dt, Sweep sweep, double seconds) {
+template <class Body> double sag(double dt, VisitOrder order, double seconds) {
   int const N = 10;
   double const m = 0.02, a = 1e-3, l = 0.13;
   auto const rod = chain<Body>(straight({{0.2, 0.1, 0.3}}, {{0.2, 0.1, 0.3 - N * l}}, N + 1), m, a);
-  Rig<Body> rig(rod, sweep);
+  Rig<Body> rig(rod, order);
   for (int s = 0; s < seconds / dt; ++s) rig.step(dt);
   return (0.3 - N * l - rig.x(N)[2]) / (a * m * gravity * N * (N + 1) / 2);
 }
@@ -61,8 +61,8 @@ TEST_CASE("A3.2: static sag does not depend on the step", "[constraint][physics]
   for (int i = 0; i < 3; ++i) {
     double const h = 1 / rates[i];
     CAPTURE(rates[i]);
-    CHECK(std::abs(sag<Chain1<200>>(h, Sweep::coloured, seconds[i]) - 1) < 1e-6);
-    CHECK(std::abs(sag<Direct>(h, Sweep::coloured, 2 * seconds[i]) - 1) < 1e-9);
+    CHECK(std::abs(sag<Chain1<200>>(h, VisitOrder::coloured, seconds[i]) - 1) < 1e-6);
+    CHECK(std::abs(sag<Direct>(h, VisitOrder::coloured, 2 * seconds[i]) - 1) < 1e-9);
   }
 }
 
@@ -73,8 +73,8 @@ TEST_CASE("A3.2: the bias of one iteration is the known one", "[constraint][phys
   double const table[3] = {12.4, 1.71, 1.041}, rates[3] = {60, 240, 1000};
   for (int i = 0; i < 3; ++i) {
     double const h = 1 / rates[i], unit = h * h / (1e-3 * 0.02);
-    double const along_chain = sag<Chain1<1>>(h, Sweep::along, 40),
-                 coloured = sag<Chain1<1>>(h, Sweep::coloured, 40);
+    double const along_chain = sag<Chain1<1>>(h, VisitOrder::along, 40),
+                 coloured = sag<Chain1<1>>(h, VisitOrder::coloured, 40);
     INFO("rate " << rates[i] << ": along " << along_chain << ", coloured " << coloured);
     CHECK(along_chain == Approx(1 + unit * 9 / 11).epsilon(1e-6));
     CHECK(along_chain == Approx(table[i]).epsilon(5e-3));

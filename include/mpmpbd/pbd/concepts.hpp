@@ -37,8 +37,8 @@ inline constexpr bool is_along_chain = [] {
 // Optional: C is the length of a segment against another one, so that f < 0 is a tension along it.
 template <class C>
 inline constexpr bool is_length = [] {
-  if constexpr (requires { C::length; }) {
-    return C::length && is_along_chain<C> && point_count<C> == 2;
+  if constexpr (requires { C::measures_length; }) {
+    return C::measures_length && is_along_chain<C> && point_count<C> == 2;
   } else {
     return false;
   }

@@ -22,7 +22,7 @@ struct Distance {
   static constexpr int dimension = 1;
   static constexpr ConstraintKind kind = ConstraintKind::equality;
   static constexpr bool along_chain = true;
-  static constexpr bool length = true;
+  static constexpr bool measures_length = true;
   static constexpr bool frame_invariant = true;
 
   template <class T> struct Parameters {
