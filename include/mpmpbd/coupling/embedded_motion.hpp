@@ -115,8 +115,9 @@ template <class In> struct MoveWithTissue {
       auto const pose = needle::pose(d.view, d.first);
       auto const arc = Needle::arc(k);
       int const tip = n.beads > 1 ? 2 * (n.beads - 1) : 0;
-      Vec3<T> const axis = quaternion::rotate(pose.orientation, arc.tangent(T(0)));
-      T const impulse = max(dot(axis, env.template get<contact::Impulse>(tip)), T(0));
+      // The tip pushes along its axis alone. That axis has turned with the needle meanwhile: the part along
+      // the new one would never reach the cap of a needle that turns fast.
+      T const impulse = norm(env.template get<contact::Impulse>(tip));
       auto const& events = env.template domain<Events>();
       auto const& e = env.template domain<Environments>();
       faults |= update_needle_surface(
