@@ -43,12 +43,14 @@ inline std::vector<Vec3<double>> paces(std::vector<Vec3<double>> const& line, in
 inline std::vector<Vec3<double>> thread_line(SuturingConfig const& c) {
   auto const path = c.path();
   auto const pose = c.script().start;
-  auto const end = swage_point(c.needle.arc(), pose, Sweep<double>::of(pose, {}, c.time.step)).position;
+  auto const end =
+      swage_point(c.needle.arc(), pose, Sweep<double>::of(pose, {}, c.time.step)).position;
   Vec3<double> const back = -direction(c.exit() - c.entry()), aside = -path.axis;
   double const above = 0.1 * c.domain.cell_size + c.thread.radius;
   Vec3<double> const foot = end - (dot(end - c.entry(), path.up) - above) * path.up;
   double const r = c.needle.radius;
-  std::vector<Vec3<double>> const way{end, foot + 0.5 * r * aside, foot + 0.9 * r * aside + 0.5 * r * back,
+  std::vector<Vec3<double>> const way{end, foot + 0.5 * r * aside,
+                                      foot + 0.9 * r * aside + 0.5 * r * back,
                                       foot + 0.9 * r * aside + c.thread.length * back};
   auto line = paces(way, c.thread.beads, c.thread.segment());
   std::reverse(line.begin(), line.end());  // the last bead is at the needle
@@ -78,7 +80,8 @@ inline SimulationOptions options(SuturingConfig const& c, std::int64_t environme
   for (int a = 0; a < 3; ++a) o.nodes[a] = c.domain.nodes()[a];
   o.substeps = c.time.substeps;
   auto const mesh = surface_mesh(c);
-  int const needle_points = contact_points(ArcPoints<double>::over(c.needle.arc(), c.domain.cell_size));
+  int const needle_points =
+      contact_points(ArcPoints<double>::over(c.needle.arc(), c.domain.cell_size));
   o.capacity = thread(c).capacity();
   for (Capacity const& more : std::initializer_list<Capacity>{
            {Particles::name.view(), c.tissue.point_count()},
@@ -110,10 +113,12 @@ template <class Sim> void set_up(Sim& sim, std::int64_t env, SuturingConfig cons
   auto const points = c.tissue.positions();
   sim.add_particles(env, points, c.tissue.density, c.tissue.point_volume());
   thread(c).write(state, env);
-  state.template table<ContactPoints>().set_live(env, state.template table<ContactPoints>().capacity());
+  state.template table<ContactPoints>().set_live(env,
+                                                 state.template table<ContactPoints>().capacity());
 
   auto const mesh = surface_mesh(c);
-  load_sheet(mesh, state.template table<SheetVertices>(), state.template table<SheetTriangles>(), env);
+  load_sheet(mesh, state.template table<SheetVertices>(), state.template table<SheetTriangles>(),
+             env);
   state.template table<Markers>().set_live(env, 2);
   auto const view = state.template view<Markers>();
   auto const sheet = sheet_of(mesh);

@@ -146,7 +146,8 @@ struct ThreadConfig {
     keys(density, bound::positive("density_kg_m3", "kg/m^3"), "density");
     keys(bending_share, {"bending_share", "1", 0.0, 1.0, false, true},
          "of the bending stiffness of a solid wire; about 1 over the filaments of a braid");
-    keys(air, bound::not_negative("air_per_s", "1/s"), "rate at which the free thread loses its speed");
+    keys(air, bound::not_negative("air_per_s", "1/s"),
+         "rate at which the free thread loses its speed");
   }
   bool operator==(ThreadConfig const&) const = default;
 };

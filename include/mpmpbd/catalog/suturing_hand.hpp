@@ -16,7 +16,8 @@ struct ScriptedHand {
     std::int64_t const item = env * needles.capacity;
     auto const now = needle::pose(needles, item);
     auto const twist =
-        twist_between(Pose<double>{cast<double>(now.position), cast<double>(now.orientation)}, script.pose(time + h), h);
+        twist_between(Pose<double>{cast<double>(now.position), cast<double>(now.orientation)},
+                      script.pose(time + h), h);
     needle::set_twist(needles, item, Twist<T>{cast<T>(twist.linear), cast<T>(twist.angular)});
   }
 };

@@ -59,7 +59,8 @@ class Skin {
     render::Mesh mesh = mesh_;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
       for (auto const& [vertex, weight] : stencils_[i])
-        if (weight != 0.0f) mesh.positions[i] += weight * (now[vertex] - cast<float>(rest_[vertex]));
+        if (weight != 0.0f)
+          mesh.positions[i] += weight * (now[vertex] - cast<float>(rest_[vertex]));
     render::compute_normals(mesh);
     return mesh;
   }
@@ -72,7 +73,8 @@ class Skin {
   using Stencil = std::array<Share, 16>;
 
   std::size_t lattice_index(Vec3<int> const& i) const {
-    return (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(cells_[1] + 1) + static_cast<std::size_t>(i[1])) *
+    return (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(cells_[1] + 1) +
+            static_cast<std::size_t>(i[1])) *
                static_cast<std::size_t>(cells_[0] + 1) +
            static_cast<std::size_t>(i[0]);
   }
@@ -122,7 +124,8 @@ class Skin {
     int const i = std::min(static_cast<int>(place), cells_[axis] - 1);
     float const t = place - static_cast<float>(i), t2 = t * t, t3 = t2 * t;
     return {i,
-            {{0.5f * (-t + 2 * t2 - t3), 0.5f * (2 - 5 * t2 + 3 * t3), 0.5f * (t + 4 * t2 - 3 * t3), 0.5f * (t3 - t2)}}};
+            {{0.5f * (-t + 2 * t2 - t3), 0.5f * (2 - 5 * t2 + 3 * t3), 0.5f * (t + 4 * t2 - 3 * t3),
+              0.5f * (t3 - t2)}}};
   }
 
   std::vector<Vec3<double>> rest_;
@@ -143,14 +146,17 @@ class StitchPicture {
     target_ = cast<float>(c.tissue.top() + c.camera.target);
   }
 
-  void draw(render::Rasteriser& with, Moment const& moment, int width, int height, render::Image& image) const {
+  void draw(render::Rasteriser& with, Moment const& moment, int width, int height,
+            render::Image& image) const {
     auto const skin = skin_.at(moment.surface);
     auto const needle = needle_mesh(moment.needle);
-    auto const thread = render::thread_tube(moment.thread, static_cast<float>(1.4 * config_.thread.radius));
+    auto const thread =
+        render::thread_tube(moment.thread, static_cast<float>(1.4 * config_.thread.radius));
     auto const markers = ink();
     auto finish = render::tissue(high_[2] - low_[2]);
     finish.grid = static_cast<float>(config_.domain.cell_size);
-    render::Object const objects[] = {{&skin, finish, markers}, {&needle, render::steel()}, {&thread, render::suture()}};
+    render::Object const objects[] = {
+        {&skin, finish, markers}, {&needle, render::steel()}, {&thread, render::suture()}};
     auto const up = vec(0.0f, 0.0f, 1.0f);
     auto const field = static_cast<float>(config_.camera.field_of_view_deg * pi<double> / 180.0);
     auto const camera = render::look_at(eye_, target_, up, field, width, height);

@@ -18,10 +18,10 @@ struct StitchSample {
   Vec3<double> force, moment;  // tissue on needle, mean over the step [N, N m]
   double peak_force;           // largest of its substeps [N]
   double tip_force;            // axial [N]
-  double dimple;               // how deep the tip presses the surface in, before it goes through [m]
-  double pull;                 // of the thread on the needle [N]
+  double dimple;  // how deep the tip presses the surface in, before it goes through [m]
+  double pull;    // of the thread on the needle [N]
   double most_tension, least_tension;  // of the segments in tissue [N]
-  int embedded;                // segments in tissue
+  int embedded;                        // segments in tissue
   TipState tip;
   std::uint32_t status;
   int substeps;
@@ -33,9 +33,9 @@ struct StitchEnergy {
 
 // Where the thread goes through the surface.
 struct ThreadCrossing {
-  Vec3<double> at;       // [m]
-  bool inwards;          // on the way from the thread's free end to the needle
-  double to_track;       // from the needle's track [m]; infinite without one
+  Vec3<double> at;  // [m]
+  bool inwards;     // on the way from the thread's free end to the needle
+  double to_track;  // from the needle's track [m]; infinite without one
 };
 
 struct Verdict {
@@ -88,8 +88,8 @@ template <class Sim> bool is_embedded(Sim const& sim, std::int64_t env, std::int
 
 template <class Sim> double distance_to_tracks(Sim& sim, std::int64_t env, Vec3<double> const& x) {
   using T = typename Sim::Scalar;
-  auto const set =
-      channel_set(sim.state().template view<Channels>(), sim.state().template view<ChannelPoints>(), env);
+  auto const set = channel_set(sim.state().template view<Channels>(),
+                               sim.state().template view<ChannelPoints>(), env);
   double nearest = bound::none;
   for (std::int64_t c = 0; c < set.capacity(); ++c)
     if (set.in_use(c) && set.track_points(c) > 0)
@@ -124,7 +124,8 @@ std::vector<ThreadCrossing> thread_crossings(Sim& sim, std::int64_t env, double 
       if (first) inside = surface.distance < 0.0;
       first = false;
       bool const now = inside ? surface.distance <= margin : surface.distance < -margin;
-      if (now != inside) found.push_back({passed, now, detail::distance_to_tracks(sim, env, passed)});
+      if (now != inside)
+        found.push_back({passed, now, detail::distance_to_tracks(sim, env, passed)});
       inside = now;
     }
   }
@@ -140,7 +141,8 @@ template <class Sim> StitchEnergy tissue_energy(Sim const& sim, std::int64_t env
     auto const v = cast<double>(state.template get<particle::Velocity>(env, i));
     Local<T, Fields<particle::Deformation>> p;
     p[particle::Deformation{}] = state.template get<particle::Deformation>(env, i);
-    sum.kinetic += 0.5 * static_cast<double>(state.template get<particle::Mass>(env, i)) * dot(v, v);
+    sum.kinetic +=
+        0.5 * static_cast<double>(state.template get<particle::Mass>(env, i)) * dot(v, v);
     sum.elastic += static_cast<double>(NeoHookean::energy(p, material)) *
                    static_cast<double>(state.template get<particle::Volume>(env, i));
   }
@@ -171,8 +173,9 @@ class StitchReport {
     s.status = sim.status(env);
     s.substeps = static_cast<int>(state.template get<environment::Substeps>(env));
     if (s.tip == TipState::touch)
-      s.dimple = static_cast<double>(dot(state.template get<tip::TouchPoint>(env, 0) - state.template get<tip::Position>(env, 0),
-                                         state.template get<tip::TouchNormal>(env, 0)));
+      s.dimple = static_cast<double>(dot(
+          state.template get<tip::TouchPoint>(env, 0) - state.template get<tip::Position>(env, 0),
+          state.template get<tip::TouchNormal>(env, 0)));
     for (std::int64_t k = 0; k + 1 < config_.thread.beads; ++k) {
       if (!detail::is_embedded(sim, env, k)) continue;
       double const tension = static_cast<double>(state.template get<bead::Tension>(env, k));
@@ -239,7 +242,8 @@ class StitchReport {
     judge_forces(say);
     judge_thread(say, dx);
     say("no fault", last().status == 0, faults_in_words(last().status));
-    say("memory below 2 GiB", memory_ < 2.0 * 1024 * 1024 * 1024, fmt::format("{:.0f} MiB", memory_ / 1048576.0));
+    say("memory below 2 GiB", memory_ < 2.0 * 1024 * 1024 * 1024,
+        fmt::format("{:.0f} MiB", memory_ / 1048576.0));
     return all;
   }
 
@@ -259,9 +263,11 @@ class StitchReport {
     for (auto kind : {EventKind::entry, EventKind::exit}) {
       auto const* e = event(kind);
       char const* const name = kind == EventKind::entry ? "entry" : "exit";
-      say(fmt::format("{} hits its marker", name), e != nullptr && static_cast<double>(e->miss) < reach,
+      say(fmt::format("{} hits its marker", name),
+          e != nullptr && static_cast<double>(e->miss) < reach,
           e == nullptr ? std::string("never happened")
-                       : fmt::format("missed by {:.4g} m, {:.4g} m allowed, at {:.3f} s", e->miss, reach, e->time));
+                       : fmt::format("missed by {:.4g} m, {:.4g} m allowed, at {:.3f} s", e->miss,
+                                     reach, e->time));
     }
   }
 
@@ -292,8 +298,10 @@ class StitchReport {
 
   // The bench's band, 0.15 N to 3 N, in units of the puncture force.
   template <class Say> void judge_forces(Say& say) const {
-    double const low = config_.needle.puncture_force * (1.0 - TipLimits::tolerance), high = 20.0 * config_.needle.puncture_force;
-    say("peak needle force between puncture and 20 times as much", peak_force() >= low && peak_force() <= high,
+    double const low = config_.needle.puncture_force * (1.0 - TipLimits::tolerance),
+                 high = 20.0 * config_.needle.puncture_force;
+    say("peak needle force between puncture and 20 times as much",
+        peak_force() >= low && peak_force() <= high,
         fmt::format("{:.4g} N in [{:.4g}, {:.4g}] N", peak_force(), low, high));
   }
 
@@ -305,7 +313,8 @@ class StitchReport {
       near = near && c.to_track <= dx;
       where += fmt::format("{}{:.3g} m from the track", where.empty() ? "" : ", ", c.to_track);
     }
-    say("the thread crosses the surface twice", crossings_.size() == 2, fmt::format("{} times", crossings_.size()));
+    say("the thread crosses the surface twice", crossings_.size() == 2,
+        fmt::format("{} times", crossings_.size()));
     say("each crossing within a cell of the needle's track", !crossings_.empty() && near,
         crossings_.empty() ? std::string("no crossing") : where);
     // From the time that the needle's way out has ended; the thread alone is in tissue then.
@@ -318,8 +327,9 @@ class StitchReport {
         ++count;
       }
     say("tension while the thread is pulled", count > 0 && least > 0.0,
-        count > 0 ? fmt::format("at least {:.4g} N, on {} segments at the end", least, last().embedded)
-                  : std::string("never pulled"));
+        count > 0
+            ? fmt::format("at least {:.4g} N, on {} segments at the end", least, last().embedded)
+            : std::string("never pulled"));
   }
   double free_pull_time() const {
     auto const script = config_.script();

@@ -20,7 +20,8 @@ struct Air {
   template <class T> struct Parameters {
     T rate;  // [1/s]
   };
-  static constexpr std::array<ParameterInfo, 1> parameter_info{{bound::not_negative("rate", "1/s")}};
+  static constexpr std::array<ParameterInfo, 1> parameter_info{
+      {bound::not_negative("rate", "1/s")}};
 
   template <class Item, class K, class T>
   MPMPBD_HD static void apply(Item& bead, K const& k, Tick<T> const& tick) {
