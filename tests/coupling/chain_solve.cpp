@@ -100,7 +100,6 @@ TEMPLATE_TEST_CASE_SIG("a chain solve equals the dense solve", "[coupling][chain
 TEMPLATE_TEST_CASE_SIG("a straight inextensible chain behind a known bead is solved", "[coupling][chain]",
                        ((bool bends), bends), false, true) {
   std::mt19937 random(3);
-  Errors worst;
   for (int i = 0; i < 200; ++i) {
     ChainOptions o;
     o.straight = o.inextensible = true;
