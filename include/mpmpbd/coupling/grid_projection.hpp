@@ -9,7 +9,7 @@
 // of tests/physics/grid_projection*.cpp and tests/coupling/grid_projection*.cpp:
 //   - a pull along the line meets no friction: only nodes that come nearer are gripped;
 //   - drag takes a share of the slip per substep: its force grows as 1/dt;
-//   - a line between the nodes touches none of them: a thin thread cuts through (radius below 0.71 dx);
+//   - a line between the nodes finds none of them ahead: thin threads cut through (radius below 1.12 dx);
 //   - of the points around a joint that bends by 90 degrees a quarter is missed, a quarter is hit twice;
 //   - the first bead of a piece gets all of its impulse: the moment J x (x_i - x_c) is lost, and a thread
 //     numbered from its other end moves differently;
