@@ -1,0 +1,149 @@
+// Embedded in whole scenes, through Simulation: what a scene does not name is not there, and a suturing
+// scene in contact is a value - saved, restored, reset, copied and run beside others, bit for bit.
+// seconds: 30
+// processors: 2
+#include <fstream>
+#include <sstream>
+
+#include <mpmpbd/catalog/scenes.hpp>
+#include <mpmpbd/catalog/suturing.hpp>
+#include <mpmpbd/io/state_file.hpp>
+#include <mpmpbd/scene/plan.hpp>
+#include <mpmpbd/testing/batch_laws.hpp>
+
+#include "catch.hpp"
+#include "io/scratch.hpp"
+
+using namespace mpmpbd;
+
+namespace {
+
+struct ThreadInTissue
+    : Scene<SoftTissue, Pbd<Constraints<Distance, Bend>>, Coupling<Embedded, Friction>, Gravity> {};
+
+template <class S> using FieldsOf = typename S::StateFields;
+template <class S, class D> constexpr bool has_domain = on_t<FieldsOf<S>, D>::count > 0;
+
+// Tissue alone: no thread, needle, contact or surface; three stages, none of them of a coupling.
+using Tissue = catalog::Tissue;
+static_assert(!has_domain<Tissue, Beads> && !has_domain<Tissue, Needles>);
+static_assert(!has_domain<Tissue, ContactPoints> && !has_domain<Tissue, Instances<Distance>>);
+static_assert(!has_domain<Tissue, SheetVertices> && !has_domain<Tissue, Channels> &&
+              !has_domain<Tissue, ChannelPoints> && !has_domain<Tissue, Events> &&
+              !has_domain<Tissue, Markers>);
+static_assert(std::is_same_v<typename Tissue::Substep::Stages,
+                             TypeList<ParticlesToGrid<Tissue::Body, Tissue::Effects>,
+                                      MoveNodes<Tissue::Body, Tissue::Effects>,
+                                      GridToParticles<Tissue::Body, Tissue::Effects>>>);
+static_assert(std::is_same_v<typename State<float, FieldsOf<Tissue>>::Domains,
+                             TypeList<Environments, Particles>>);
+// Environment, particles and parameters: what a scene stores per environment does not know of the rest.
+static_assert(!contains<FieldsOf<Tissue>, ParametersField<Embedded>> &&
+              !contains<FieldsOf<Tissue>, ParametersField<ArcNeedle>>);
+
+// A thread in tissue: beads and contact points, but nothing of needle or surface; two more stages.
+static_assert(has_domain<ThreadInTissue, Beads> && has_domain<ThreadInTissue, ContactPoints>);
+static_assert(!has_domain<ThreadInTissue, Needles> && !has_domain<ThreadInTissue, SheetVertices> &&
+              !has_domain<ThreadInTissue, Channels> && !has_domain<ThreadInTissue, Events>);
+static_assert(ThreadInTissue::Substep::Stages::size == 5);
+static_assert(Suturing::Substep::Stages::size == 5);
+static_assert(has_domain<Suturing, Needles> && has_domain<Suturing, Channels>);
+
+void check_golden(std::string const& name, std::string const& text) {
+  std::string const here = __FILE__;
+  std::ifstream in(here.substr(0, here.find_last_of('/')) + "/golden/" + name + ".txt");
+  std::stringstream stored;
+  stored << in.rdbuf();
+  INFO("the plan of " << name << " changed; if that is meant, store the new one");
+  CHECK(stored.str() == text);
+}
+
+// A small block under preset paper's needle and thread.
+SuturingConfig small_config() {
+  SuturingConfig c;
+  c.tissue.size = vec(1.2, 0.6, 0.6);
+  c.tissue.points = Vec<int, 3>{{22, 11, 11}};
+  c.tissue.corner = vec(0.9, 0.7, 0.3);
+  return c;
+}
+
+// The needle turns about its arc's centre: through the surface, and on. Variants differ in stiffness,
+// thread and speed.
+struct Drive {
+  template <class R> void operator()(R& run, std::int64_t env, int which) const {
+    using T = typename R::Scalar;
+    auto c = small_config();
+    c.tissue.young_modulus *= 1 - 0.1 * which;
+    c.contact.friction = 0.1 * which;
+    suturing::set_up(run, env, c);
+    auto const view = run.state().template view<Needles>();
+    auto const item = env * view.capacity;
+    auto const pose = needle::pose(view, item);
+    T const rate = T(16 + which);
+    needle::set_twist(
+        view, item,
+        Twist<T>{{}, rate * quaternion::rotate(pose.orientation, vec(T(0), T(0), T(1)))});
+  }
+};
+
+testing::BatchCase<Drive> driven(int steps) {
+  auto options = suturing::options(small_config());
+  options.substeps = 0;
+  return {options, Drive{}, 0.004, steps};
+}
+
+}  // namespace
+
+TEST_CASE("the plans of scenes are as stored", "[scene][plan]") {
+  check_golden("tissue", plan<catalog::Tissue>());
+  check_golden("tissue_thread", plan<ThreadInTissue>());
+  check_golden("suturing", plan<Suturing>());
+}
+
+TEST_CASE("suturing environments in contact do not know of each other", "[scene][batch]") {
+  auto const c = driven(14);
+  testing::BatchProbe<Suturing, float, Drive> const probe(c);
+  auto const& state = probe.reference().state();
+  for (int e = 0; e < 4; ++e) {  // the comparison means something: the needle is in, and pushes
+    CAPTURE(e, state.get<event::Count>(e), norm(state.get<needle::Force>(e)));
+    CHECK(norm(state.get<needle::Force>(e)) > 1.0f);
+    CHECK(state.get<event::Count>(e) >= 1);
+  }
+  for (auto const& law : batch_laws<Suturing, float>(c)) {
+    INFO(law.text());
+    CHECK(law.holds());
+  }
+}
+
+TEST_CASE("a suturing scene in contact goes on from a file bit for bit", "[scene][checkpoint]") {
+  auto const c = driven(12);
+  testing::BatchProbe<Suturing, double, Drive> const probe(c);
+  auto run = probe.make({0, 1});
+  probe.advance(run);
+  REQUIRE(norm(run.state().get<needle::Force>(0)) > 1.0);
+  ::Scratch const folder;
+  write_state_file((folder / "contact.state").string(), run.state());
+  // Another simulation, whose work memory has seen nothing of the first.
+  auto options = c.options;
+  options.environments = 2;
+  Simulation<Suturing, Serial, double> other(options);
+  other.restore(read_state_file<decltype(run)::Store>((folder / "contact.state").string()));
+  for (int s = 0; s < 3; ++s) {
+    run.step(c.step);
+    other.step(c.step);
+    for (int e = 0; e < 2; ++e) CHECK(testing::same_bits(run.state(), e, other.state(), e));
+  }
+}
+
+TEST_CASE("a suturing environment that blows up leaves the others alone", "[scene][batch]") {
+  testing::BatchProbe<Suturing, float, Drive> const probe(driven(6));
+  CHECK(probe.contained(Fault::not_finite, [](auto& r) {
+    r.state().template set<particle::Velocity>(
+        1, 5, vec(std::numeric_limits<float>::infinity(), 0.0f, 0.0f));
+  }) == 0.0);
+  // A thread with a NaN bead must not take its environment's neighbours along either.
+  auto r = probe.make({0, 1, 2, 3});
+  r.state().set<bead::Position>(1, 4, vec(std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f));
+  probe.advance(r);
+  CHECK(probe.different(r, {0, -1, 2, 3}) == 0.0);
+}
