@@ -26,8 +26,11 @@ Outcome simulate(course::StitchOptions const& run, Stitch& sim, course::StitchFi
   suturing::ScriptedHand const hand{c.script()};
   io::Progress progress(run.steps, "stitching");
   double const h = c.time.step;
-  int const per_frame = std::max(1, static_cast<int>(std::lround(1.0 / (c.output.frames_per_second * h))));
-  int const per_snapshot = std::max(1, static_cast<int>(std::lround(c.output.snapshot_interval / h)));
+  // Whether something that comes `rate` times a second comes in this step.
+  auto comes = [h](double rate, int step) {
+    auto number = [=](int n) { return std::floor(n * h * rate + 1e-6); };
+    return number(step) > number(step - 1);
+  };
   for (int step = 1; step <= run.steps; ++step) {
     double const begin = io::monotonic_seconds();
     hand.command(sim, 0, (step - 1) * h, h);
@@ -36,8 +39,10 @@ Outcome simulate(course::StitchOptions const& run, Stitch& sim, course::StitchFi
     out.report.record(sim, 0, step * h);
     out.substeps += out.report.last().substeps;
     files.row(sim, out.report.last());
-    if (step % per_frame == 0) out.moments.push_back(suturing::Moment::of(sim, 0, step * h));
-    if (step % per_snapshot == 0 || step == run.steps) files.snapshot(sim, step * h);
+    if (comes(c.output.frames_per_second, step))
+      out.moments.push_back(suturing::Moment::of(sim, 0, step * h));
+    if (comes(1.0 / c.output.snapshot_interval, step) || step == run.steps)
+      files.snapshot(sim, step * h);
     progress.update(step);
   }
   out.report.finish(sim, 0);
@@ -49,8 +54,8 @@ bool stitch(course::StitchOptions const& run) {
   Stitch sim(suturing::options(c), run.threads);
   suturing::set_up(sim, 0, c);
   if (!run.coupled) suturing::uncouple(sim, 0);
-  fmt::print("{} material points, {} beads, stable substep {:.3g} s, {} threads\n", c.tissue.point_count(),
-             c.thread.beads, sim.suggest_dt(0), run.threads.lanes());
+  fmt::print("{} material points, {} beads, stable substep {:.3g} s, {} threads\n",
+             c.tissue.point_count(), c.thread.beads, sim.suggest_dt(0), run.threads.lanes());
 
   course::StitchFiles files(run);
   auto const out = simulate(run, sim, files);
@@ -62,7 +67,8 @@ bool stitch(course::StitchOptions const& run) {
     fmt::print("{}  {}: {}\n", v.holds ? "ok    " : "FAILED", v.name, v.finding);
     good = good && v.holds;
   }
-  fmt::print("{:.1f} s of computing, {:.0f} steps/s, {:.3g} particle-substeps/s\n", out.seconds, run.steps / out.seconds,
+  fmt::print("{:.1f} s of computing, {:.0f} steps/s, {:.3g} particle-substeps/s\n", out.seconds,
+             run.steps / out.seconds,
              static_cast<double>(out.substeps) * c.tissue.point_count() / out.seconds);
   return good || run.unfinished;
 }

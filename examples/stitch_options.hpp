@@ -42,20 +42,30 @@ template <class Program> int run_stitch(int argc, char** argv, Program&& program
       ->check(CLI::IsMember({"paper", "phantom"}))
       ->capture_default_str();
   app.add_option("--config", config, "settings, a TOML file, instead of a preset");
-  app.add_option("--set", overrides, "one setting, for example --set needle.cutting_force_n=1500")->take_all()->expected(1);
-  app.add_option("--steps", o.steps, "steps to take, 0: the whole motion")->check(CLI::Range(0, 100000000));
-  app.add_option("--seed", seed, "seed of all random numbers; nothing is random in the presets")->check(CLI::NonNegativeNumber);
-  app.add_option("--threads", o.threads.count, "threads, 0: as many as there are cores")->check(CLI::Range(0, 4096))->capture_default_str();
+  app.add_option("--set", overrides, "one setting, for example --set needle.cutting_force_n=1500")
+      ->take_all()
+      ->expected(1);
+  app.add_option("--steps", o.steps, "steps to take, 0: the whole motion")
+      ->check(CLI::Range(0, 100000000));
+  app.add_option("--seed", seed, "seed of all random numbers; nothing is random in the presets")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--threads", o.threads.count, "threads, 0: as many as there are cores")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
   app.add_option("--out", o.out, "folder for results");
-  app.add_flag("--no-coupling", no_coupling, "needle and thread pass through tissue; the verdict has to be no");
+  app.add_flag("--no-coupling", no_coupling,
+               "needle and thread pass through tissue; the verdict has to be no");
   app.add_flag("--no-video", no_video, "neither pictures nor video");
-  app.add_flag("--unfinished", o.unfinished, "exit code 0 whatever the verdict, for a run of a few steps");
+  app.add_flag("--unfinished", o.unfinished,
+               "exit code 0 whatever the verdict, for a run of a few steps");
   CLI11_PARSE(app, argc, argv);
   try {
-    o.config = mpmpbd::io::read_config<mpmpbd::SuturingConfig>(config.empty() ? preset_file(o.preset) : config, overrides);
+    o.config = mpmpbd::io::read_config<mpmpbd::SuturingConfig>(
+        config.empty() ? preset_file(o.preset) : config, overrides);
     if (seed >= 0) o.config.seed = seed;
     if (o.steps == 0) o.steps = o.config.steps();
-    if (o.out.empty()) o.out = mpmpbd::io::Path("out") / (config.empty() ? o.preset : config.stem().string());
+    if (o.out.empty())
+      o.out = mpmpbd::io::Path("out") / (config.empty() ? o.preset : config.stem().string());
     o.coupled = !no_coupling;
     o.video = !no_video;
     std::filesystem::create_directories(o.out);
