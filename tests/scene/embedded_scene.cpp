@@ -49,6 +49,22 @@ static_assert(ThreadInTissue::Substep::Stages::size == 5);
 static_assert(Suturing::Substep::Stages::size == 5);
 static_assert(has_domain<Suturing, Needles> && has_domain<Suturing, Channels>);
 
+// Counts how far every bead has gone: an effect that acts when the coupling has solved.
+struct Travelled : Field<"travelled", "m", Number, Beads> {};
+struct Odometer {
+  using Role = role::Effect;
+  static constexpr FixedString name = "odometer";
+  static constexpr Slot slot = Slot::after_solve;
+  using Reads = Fields<bead::Velocity, Travelled>;
+  using Writes = Fields<Travelled>;
+  template <class Item, class K, class T>
+  MPMPBD_HD static void apply(Item& bead, K const&, Tick<T> const& tick) {
+    bead[Travelled{}] += tick.dt * norm(bead[bead::Velocity{}]);
+  }
+};
+template <class... Parts> Scene<Parts..., Odometer> counted(Scene<Parts...> const&);
+using Counted = decltype(counted(Suturing{}));
+
 void check_golden(std::string const& name, std::string const& text) {
   std::string const here = __FILE__;
   std::ifstream in(here.substr(0, here.find_last_of('/')) + "/golden/" + name + ".txt");
@@ -146,4 +162,15 @@ TEST_CASE("a suturing environment that blows up leaves the others alone", "[scen
   r.state().set<bead::Position>(1, 4, vec(std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f));
   probe.advance(r);
   CHECK(probe.different(r, {0, -1, 2, 3}) == 0.0);
+}
+
+TEST_CASE("effects after the solve act in a coupled scene too", "[scene][effect]") {
+  auto const c = driven(3);
+  Simulation<Counted, Serial, double> run(c.options);
+  Drive{}(run, 0, 0);
+  auto const end = run.state().get<bead::Position>(0, 19);
+  for (int s = 0; s < 3; ++s) run.step(c.step);
+  double const travelled = run.state().get<Travelled>(0, 19);  // of the bead tied to the needle
+  CHECK(travelled == Approx(norm(run.state().get<bead::Position>(0, 19) - end)).epsilon(0.05));
+  CHECK(travelled > 0.01);
 }

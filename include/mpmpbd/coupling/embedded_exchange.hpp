@@ -48,7 +48,9 @@ template <class In> struct ExchangeImpulses {
   using Needle = typename In::Needle;
   using Laws = typename In::Coupling;
   using Forces = in_slot_t<Slot::before_solve, typename In::Effects>;
-  using Parts = join_t<Forces, typename Laws::Leaves>;
+  using After = in_slot_t<Slot::after_solve, typename In::Effects>;
+  using OfEffects = join_t<Forces, After>;
+  using Parts = join_t<Forces, typename Laws::Leaves, After>;
 
   static constexpr bool stretches = detail::has_constraint<Rods, Distance>;
   static constexpr bool pins = detail::has_constraint<Rods, Pin>;
@@ -68,14 +70,14 @@ template <class In> struct ExchangeImpulses {
   using Reads =
       union_t<Fields<node::Velocity, node::Mass, particle::Mass, particle::Volume>,
               if_t<In::has_rods, BeadState>, typename InstancesOf<Rods, In::has_rods>::type,
-              typename detail::ReadsOf<Forces>::type>;
+              typename detail::ReadsOf<OfEffects>::type>;
   using Writes =
       union_t<Fields<node::Velocity, contact::Impulse, contact::Covered>,
               if_t<In::has_rods, BeadState>,
               if_t<In::has_needle, union_t<needle::State, needle::Report>>,
               if_t<In::has_surface,
                    union_t<Surface::Writes, tip::Memory, Fields<channel::Member<ContactPoints>>>>,
-              typename detail::WritesOf<Forces>::type>;
+              typename detail::WritesOf<OfEffects>::type>;
 
   template <class Env, class Ctx>
   MPMPBD_HD static BodyCounts counts(Env const& env, Ctx const& context) {
@@ -120,6 +122,7 @@ template <class In> struct ExchangeImpulses {
     faults |= settle_points(team, env, context, x, a, n);
     faults |= exchange(team, x, grid);
     store(team, env, context, x);
+    if constexpr (In::has_rods) detail::apply_all_to_beads(After{}, team, env, context);
     return faults;
   }
 
@@ -317,14 +320,15 @@ template <class In> struct ExchangeImpulses {
 
   // The thread leaves the needle as the wire ends. Every lane has its own view, so all of them note it.
   template <class Env, class Ctx, class X>
-  MPMPBD_HD static void hold_thread([[maybe_unused]] Env const& env, [[maybe_unused]] Ctx const& context,
-                                    [[maybe_unused]] X& x) {
+  MPMPBD_HD static void hold_thread([[maybe_unused]] Env const& env,
+                                    [[maybe_unused]] Ctx const& context, [[maybe_unused]] X& x) {
     using T = typename X::Scalar;
     if constexpr (In::has_needle && swaged) {
       if (x.needle_points == 0 || env.template live<Instances<Swage>>() == 0) return;
       auto const& d = env.template domain<Needles>();
       auto const arc = Needle::arc(context.template of<Needle>());
-      Vec3<T> const tangent = quaternion::rotate(needle::pose(d.view, d.first).orientation, arc.tangent(arc.length()));
+      Vec3<T> const tangent =
+          quaternion::rotate(needle::pose(d.view, d.first).orientation, arc.tangent(arc.length()));
       auto const b = static_cast<int>(env.template get<typename instance<Swage>::Index>(0));
       bool const starts = detail::is_segment(x.thread, b);
       x.thread.held = b;
