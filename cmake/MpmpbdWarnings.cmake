@@ -15,7 +15,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND MPMPBD_CXX_WARNINGS -Wduplicated-cond -Wlogical-op)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # False alarms inside std::string when it is inlined (GCC bugs 105329 and 105651).
-    list(APPEND MPMPBD_CXX_WARNINGS -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds)
+    list(APPEND MPMPBD_CXX_WARNINGS -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread
+      -Wno-array-bounds)
   endif()
 endif()
 # nvcc's host pass: its generated code does not survive -Wpedantic, -Wold-style-cast or -Wundef.
