@@ -120,10 +120,9 @@ template <class Scene_, class T> class CouplingProbe {
     }
     if (reversed) line = {line.rbegin(), line.rend()};
     for (auto const& x : line) rod.add_bead(x, mass);
+    auto const at = [&](int k) { return cast<T>(line[static_cast<std::size_t>(k)]); };
     for (int k = 0; k + 1 < beads; ++k)
-      rod.template add<Distance>(
-          {k, k + 1},
-          {double(norm(cast<T>(line[std::size_t(k)]) - cast<T>(line[std::size_t(k + 1)]))), 0.0});
+      rod.template add<Distance>({k, k + 1}, {double(norm(at(k + 1) - at(k))), 0.0});
     rod.write(state(), 0);
   }
   void place_needle(Vec3<double> const& centre, Quaternion<double> const& turn) {
@@ -398,7 +397,8 @@ template <class Laws_, class T> class CouplingSuite {
       Probe p(case_);
       Samples random(5);
       p.fill(random, 100.0, 0.0);
-      Vec3<double> const at = vec(4.0, 8.0 + (n % 4 + 0.5) / 4, 8.0 + (n / 4 + 0.5) / 4);
+      int const row = n / 4;
+      Vec3<double> const at = vec(4.0, 8.0 + (n % 4 + 0.5) / 4, 8.0 + (row + 0.5) / 4);
       p.lay_thread(Probe::dx * at, Probe::dx * vec(8.0, 0.0, 0.0), {}, 1e6 * Probe::node_mass);
       for (int k = 0; k < Probe::beads; ++k)
         p.state().template set<bead::Velocity>(0, k, cast<T>(vec(0.0, Probe::speed, 0.0)));
