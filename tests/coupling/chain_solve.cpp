@@ -18,7 +18,8 @@ struct Errors {
 };
 
 // Solves one random chain both ways and keeps the largest errors.
-template <class T, bool bends> void compare(std::mt19937& random, ChainOptions const& o, Errors& worst) {
+template <class T, bool bends>
+void compare(std::mt19937& random, ChainOptions const& o, Errors& worst) {
   auto c = test::random_chain<T, bends>(random, o);
   test::DenseChain<T, bends> const dense(c);
   auto V = c.r;
@@ -28,7 +29,8 @@ template <class T, bool bends> void compare(std::mt19937& random, ChainOptions c
     // Refused chains must really be singular: a link that cannot stretch between two held beads.
     Eigen::JacobiSVD<Eigen::MatrixXd> const svd(dense.matrix);
     CAPTURE(svd.singularValues().minCoeff(), o.beads, o.inextensible, int(o.ends));
-    REQUIRE(svd.singularValues().minCoeff() < 100 * mpmpbd::epsilon<T> * svd.singularValues().maxCoeff());
+    REQUIRE(svd.singularValues().minCoeff() <
+            100 * mpmpbd::epsilon<T> * svd.singularValues().maxCoeff());
     return;
   }
   mpmpbd::solve_chain(c.system(), c.storage(), V.data(), lambda.data(), &y);
@@ -43,9 +45,8 @@ template <class T, bool bends> void compare(std::mt19937& random, ChainOptions c
     if (!swaged) {
       found.segment<3>(dense.bead(k)) = test::eigen(V[i]);
       speed = std::max(speed, exact.segment<3>(dense.bead(k)).norm());
-      worst.velocity = std::max(
-          worst.velocity,
-          (exact - found).segment<3>(dense.bead(k)).norm() / std::max(1.0, exact.head(3 * n).norm()));
+      worst.velocity = std::max(worst.velocity, (exact - found).segment<3>(dense.bead(k)).norm() /
+                                                    std::max(1.0, exact.head(3 * n).norm()));
     }
     if (k + 1 < n) {
       found(dense.link(k)) = double(lambda[i]);
@@ -55,11 +56,12 @@ template <class T, bool bends> void compare(std::mt19937& random, ChainOptions c
   if (c.end.present)
     for (int i = 0; i < 6; ++i) found(dense.body() + i) = double(y[i]);
   for (int k = 0; k + 1 < n; ++k)
-    worst.impulse = std::max(
-        worst.impulse, std::abs((exact - found)(dense.link(k))) / std::max(1.0, pull));
+    worst.impulse =
+        std::max(worst.impulse, std::abs((exact - found)(dense.link(k))) / std::max(1.0, pull));
   Eigen::VectorXd const residual = dense.matrix * found - dense.rhs;
-  double const size = dense.matrix.cwiseAbs().rowwise().sum().maxCoeff() * found.cwiseAbs().maxCoeff() +
-                      dense.rhs.cwiseAbs().maxCoeff();
+  double const size =
+      dense.matrix.cwiseAbs().rowwise().sum().maxCoeff() * found.cwiseAbs().maxCoeff() +
+      dense.rhs.cwiseAbs().maxCoeff();
   worst.residual = std::max(worst.residual, residual.cwiseAbs().maxCoeff() / size);
   worst.solved += 1;
 }
@@ -97,8 +99,8 @@ TEMPLATE_TEST_CASE_SIG("a chain solve equals the dense solve", "[coupling][chain
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("a straight inextensible chain behind a known bead is solved", "[coupling][chain]",
-                       ((bool bends), bends), false, true) {
+TEMPLATE_TEST_CASE_SIG("a straight inextensible chain behind a known bead is solved",
+                       "[coupling][chain]", ((bool bends), bends), false, true) {
   std::mt19937 random(3);
   for (int i = 0; i < 200; ++i) {
     ChainOptions o;

@@ -19,11 +19,13 @@ using Bending = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, true>;
 using Dragged = mpmpbd::EmbeddedForm<Q, mpmpbd::NoFriction, mpmpbd::Drag, true>;
 
 // The stretch and bending part of E_c, before (from the shape) and after (from the solution).
-template <class T, class Form> double thread_energy(Rig<T, Form>& r, bool after, std::vector<mpmpbd::Joint<T>> const& joints) {
+template <class T, class Form>
+double thread_energy(Rig<T, Form>& r, bool after, std::vector<mpmpbd::Joint<T>> const& joints) {
   auto x = r.view();
   double e = 0;
   for (int k = 0; k + 1 < r.beads(); ++k) {
-    double const c = double(x.thread_work.links[k].compliance), g = double(x.thread_work.gap_speed[k]);
+    double const c = double(x.thread_work.links[k].compliance),
+                 g = double(x.thread_work.gap_speed[k]);
     double const lambda = double(x.thread_work.trial_impulse[k]);
     if (c > 0) e += after ? 0.5 * c * lambda * lambda : 0.5 * g * g / c;
   }
@@ -43,13 +45,15 @@ struct Gain {
   double pull = 0;  // the largest impulse with which a one-sided point pulled, relative
 };
 
-template <class T, class Form> Gain survey(int count, Extras const& extra, double tolerance, unsigned seed = 1) {
+template <class T, class Form>
+Gain survey(int count, Extras const& extra, double tolerance, unsigned seed = 1) {
   Draw d(seed);
   Gain gain;
   for (int n = 0; n < count; ++n) {
     auto r = random_rig<T, Form>(d, extra);
     if (r.stretch_compliance == 0)  // E_c is defined for inextensible threads of the right length
-      for (std::size_t k = 0; k + 1 < r.bead.size(); ++k) r.rest_length[k] = norm(r.bead[k + 1] - r.bead[k]);
+      for (std::size_t k = 0; k + 1 < r.bead.size(); ++k)
+        r.rest_length[k] = norm(r.bead[k + 1] - r.bead[k]);
     auto x = r.view();
     mpmpbd::place_thread_points(mpmpbd::Solo{}, x);
     for (auto& p : r.points)
@@ -60,7 +64,8 @@ template <class T, class Form> Gain survey(int count, Extras const& extra, doubl
     std::vector<mpmpbd::Joint<T>> joints(r.bead.size());
     if constexpr (Form::bends)
       for (int k = 0; k < r.beads(); ++k)
-        joints[static_cast<std::size_t>(k)] = mpmpbd::detail::bend_joint(x.thread, x.thread_work.links, x.thread_work.length, k);
+        joints[static_cast<std::size_t>(k)] =
+            mpmpbd::detail::bend_joint(x.thread, x.thread_work.links, x.thread_work.length, k);
     double const before = kinetic_energy(r) + thread_energy(r, false, joints);
     REQUIRE(mpmpbd::exchange(mpmpbd::Solo{}, x, r.nodes()) == 0u);
     double const after = kinetic_energy(r) + thread_energy(r, true, joints);
@@ -82,8 +87,8 @@ template <class T, class Form> Gain survey(int count, Extras const& extra, doubl
 template <class T, class Form> void no_gain(int count, Extras const& extra, char const* what) {
   double const tolerance = sizeof(T) == 4 ? 1e-5 : 1e-12;
   Gain const g = survey<T, Form>(count, extra, tolerance);
-  INFO(what << ": worst gain " << g.worst << ", raised " << g.raised << " of " << count << ", sliding "
-            << g.slid << ", open or full " << g.opened << ", pull " << g.pull);
+  INFO(what << ": worst gain " << g.worst << ", raised " << g.raised << " of " << count
+            << ", sliding " << g.slid << ", open or full " << g.opened << ", pull " << g.pull);
   if (std::getenv("MPMPBD_TELL")) WARN("gain " << g.worst);
   CHECK(g.raised == 0);
   if (Form::FrictionLaw::grips) CHECK(g.slid > count);  // the states do make points slide
@@ -104,7 +109,8 @@ TEMPLATE_TEST_CASE("no exchange raises the energy", "[coupling][energy]", double
   no_gain<TestType, Rough>(2000, walls, "walls");
 }
 
-TEMPLATE_TEST_CASE("one-sided points do not raise the energy", "[coupling][energy]", double, float) {
+TEMPLATE_TEST_CASE("one-sided points do not raise the energy", "[coupling][energy]", double,
+                   float) {
   no_gain<TestType, Slippery>(5000, {.one_sided = true}, "without friction");
   no_gain<TestType, Rough>(5000, {.needle = true, .one_sided = true}, "friction, tip");
 }

@@ -32,7 +32,8 @@ struct Momenta {
 };
 
 // Angular momentum about the origin, with the thread at the given bead positions.
-template <class T, class Form> Momenta momenta(Rig<T, Form> const& r, std::vector<Vec3<T>> const& bead) {
+template <class T, class Form>
+Momenta momenta(Rig<T, Form> const& r, std::vector<Vec3<T>> const& bead) {
   Momenta sum;
   int const nx = r.lattice.nodes[0], ny = r.lattice.nodes[1];
   for (std::size_t i = 0; i < r.mass.size(); ++i) {
@@ -62,7 +63,8 @@ template <class T, class Form> void conserves(Extras const& extra, bool angular)
     auto const after = momenta(r, bead);
     double const size = std::max(before.linear_size, after.linear_size);
     linear = std::max(linear, norm(after.linear - before.linear) / size);
-    turning = std::max(turning, norm(after.angular - before.angular) / std::max(before.angular_size, after.angular_size));
+    turning = std::max(turning, norm(after.angular - before.angular) /
+                                    std::max(before.angular_size, after.angular_size));
     for (auto const& p : r.points) exchanged += double(norm(p.impulse)) / size;
   }
   CAPTURE(linear, turning, exchanged, sizeof(T));
@@ -76,13 +78,14 @@ template <class T, class Form> void conserves(Extras const& extra, bool angular)
 // Tension and bending stiffen the thread across its direction, implicitly: that part conserves linear
 // momentum exactly and angular momentum to second order in dt, like every implicit Euler step. Everything
 // else conserves both to rounding.
-TEMPLATE_TEST_CASE("momentum and angular momentum pass through a free surface", "[coupling][momentum]",
-                   double, float) {
+TEMPLATE_TEST_CASE("momentum and angular momentum pass through a free surface",
+                   "[coupling][momentum]", double, float) {
   Extras const slack{.surface = true, .tension = false};
   conserves<TestType, Slippery>(slack, true);
   conserves<TestType, RoughDragged>(slack, true);
   conserves<TestType, Rough>({.needle = true, .surface = true, .tension = false}, true);
-  conserves<TestType, Rough>({.needle = true, .swage = true, .surface = true, .tension = false}, true);
+  conserves<TestType, Rough>({.needle = true, .swage = true, .surface = true, .tension = false},
+                             true);
   conserves<TestType, Rough>({.one_sided = true, .surface = true, .tension = false}, true);
   conserves<TestType, Bending>({.needle = true, .surface = true}, false);
 }
@@ -116,7 +119,8 @@ TEST_CASE("the order of points and beads does not matter", "[coupling]") {
   CHECK(worst < 1e-8);
 }
 
-TEST_CASE("a thread outside the tissue and the tissue itself do not feel each other", "[coupling]") {
+TEST_CASE("a thread outside the tissue and the tissue itself do not feel each other",
+          "[coupling]") {
   Draw d(7);
   auto r = random_rig<double, Rough>(d, {});
   std::fill(r.mass.begin(), r.mass.end(), 0.0);
@@ -182,7 +186,8 @@ TEST_CASE("the needle's wrench is what the grid lost", "[coupling]") {
   Draw d(13);
   for (int n = 0; n < 50; ++n) {
     auto r = random_rig<double, Rough>(d, {.needle = true, .kinematic = true});
-    for (int q = 0; q < r.gauss_points(); ++q) r.points[static_cast<std::size_t>(q)].contact = Contact::off;
+    for (int q = 0; q < r.gauss_points(); ++q)
+      r.points[static_cast<std::size_t>(q)].contact = Contact::off;
     auto x = r.view();
     auto const grid = r.velocity;
     mpmpbd::place_thread_points(mpmpbd::Solo{}, x);
@@ -229,10 +234,12 @@ TEST_CASE("an attachment to tissue moves with it", "[coupling]") {
   tie.along = 1;
   tie.position = r.bead[4];
   r.allocate({}, {tie});
-  for (int q = 0; q < r.gauss_points(); ++q) r.points[static_cast<std::size_t>(q)].contact = Contact::off;
+  for (int q = 0; q < r.gauss_points(); ++q)
+    r.points[static_cast<std::size_t>(q)].contact = Contact::off;
   auto x = r.view();
   mpmpbd::place_thread_points(mpmpbd::Solo{}, x);
-  for (int q = 0; q < r.gauss_points(); ++q) r.points[static_cast<std::size_t>(q)].contact = Contact::off;
+  for (int q = 0; q < r.gauss_points(); ++q)
+    r.points[static_cast<std::size_t>(q)].contact = Contact::off;
   mpmpbd::embed_points(mpmpbd::Solo{}, x, r.nodes());
   REQUIRE(mpmpbd::exchange(mpmpbd::Solo{}, x, r.nodes()) == 0u);
   CHECK(norm(r.bead_velocity[4] - vec(0.5, 0.0, 0.0)) < 0.01);
@@ -360,11 +367,13 @@ TEST_CASE("points that share nodes do not over-count", "[coupling][B20]") {
       std::vector<char> on(points.size(), 1);
       mpmpbd::connect(mpmpbd::Solo{}, x.incidence, count, reinterpret_cast<bool*>(on.data()));
       auto& c = x.incidence;
-      for (int i = 0; i < c.counters[0]; ++i) c.nodes[i].velocity = unsplit.velocity[std::size_t(c.nodes[i].index)];
+      for (int i = 0; i < c.counters[0]; ++i)
+        c.nodes[i].velocity = unsplit.velocity[std::size_t(c.nodes[i].index)];
       std::vector<Vec3<double>> J;
       for (int q = 0; q < count; ++q) {
-        double const effective = 1 / unsplit.needle.mass + mpmpbd::sum_over_nodes<double>(
-            c, q, [](double w, auto const&) { return w * w; });
+        double const effective =
+            1 / unsplit.needle.mass +
+            mpmpbd::sum_over_nodes<double>(c, q, [](double w, auto const&) { return w * w; });
         J.push_back(1 / effective * (unsplit.needle.velocity - mpmpbd::grid_velocity(c, q)));
       }
       for (int i = 0; i < c.counters[0]; ++i)
@@ -393,13 +402,15 @@ TEST_CASE("an impulse and its moment arrive whole", "[coupling][A4.8]") {
     used += 1;
     Vec3<double> sum{}, moment{}, plain_sum{}, plain_moment{};
     auto const s = mpmpbd::detail::neighbourhood<Q>(r.lattice, x);
-    mpmpbd::detail::for_each_node<Q>(r.lattice, s, [&](int a, int i, double plain_w, Vec3<double> const& offset) {
-      sum += w[a] * J;
-      moment += w[a] * cross(x + offset, J);
-      double const pw = r.mass[std::size_t(i)] > 0 ? plain_w : 0;  // an empty node takes nothing
-      plain_sum += pw * J;
-      plain_moment += pw * cross(x + offset, J);
-    });
+    mpmpbd::detail::for_each_node<Q>(
+        r.lattice, s, [&](int a, int i, double plain_w, Vec3<double> const& offset) {
+          sum += w[a] * J;
+          moment += w[a] * cross(x + offset, J);
+          double const pw =
+              r.mass[std::size_t(i)] > 0 ? plain_w : 0;  // an empty node takes nothing
+          plain_sum += pw * J;
+          plain_moment += pw * cross(x + offset, J);
+        });
     corrected = std::max(corrected, (norm(sum - J) + norm(moment - cross(x, J))) / norm(J));
     plain = std::max(plain, (norm(plain_sum - J) + norm(plain_moment - cross(x, J))) / norm(J));
 

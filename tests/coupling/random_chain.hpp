@@ -82,7 +82,8 @@ RandomChain<T, bends> random_chain(std::mt19937& random, ChainOptions const& o) 
     if (unit(random) < (o.held_by_tissue ? 1.0 : 0.6)) {  // two contact points
       for (T s : {T(0.2113), T(0.7887)}) {
         T const stick = unit(random) < (o.held_by_tissue ? 1.0 : 0.5) ? T(1) : T(0);
-        Mat3<T> const B = T(log_uniform(0.1, 3)) * (across + stick * mpmpbd::outer(heading, heading));
+        Mat3<T> const B =
+            T(log_uniform(0.1, 3)) * (across + stick * mpmpbd::outer(heading, heading));
         c.blocks[k].A += (1 - s) * (1 - s) * B;
         c.blocks[k + 1].A += s * s * B;
         c.blocks[k].U += s * (1 - s) * B;
@@ -161,7 +162,8 @@ template <class T, bool bends> struct DenseChain {
         m.middleRows<3>(bead(k)).setZero();
         m.block<3, 3>(bead(k), bead(k)).setIdentity();
       }
-    Eigen::MatrixXd reach = Eigen::MatrixXd::Identity(size, size);  // all unknowns from the free ones
+    Eigen::MatrixXd reach =
+        Eigen::MatrixXd::Identity(size, size);  // all unknowns from the free ones
     if (c.end.present) {
       for (int i = 0; i < 6; ++i) {
         b(body() + i) = double(c.y[i]);

@@ -14,7 +14,9 @@ struct Draw {
   explicit Draw(unsigned seed = 1) : random(seed) {}
   double uniform() { return unit(random); }
   double log_uniform(double a, double b) { return a * std::pow(b / a, uniform()); }
-  template <class T> Vec3<T> arrow() { return vec(T(normal(random)), T(normal(random)), T(normal(random))); }
+  template <class T> Vec3<T> arrow() {
+    return vec(T(normal(random)), T(normal(random)), T(normal(random)));
+  }
 };
 
 struct Extras {
@@ -42,7 +44,8 @@ template <class T, class Form> Rig<T, Form> random_rig(Draw& d, Extras const& ex
     for (int a = 0; a < 3; ++a)
       if (r.inverse_mass[i][a] == 0) r.velocity[i][a] = 0;
   }
-  Vec3<T> x = vec(T(3), T(3), T(3)) + T(0.5) * d.arrow<T>(), heading = mpmpbd::direction(vec(T(1), T(1), T(1)));
+  Vec3<T> x = vec(T(3), T(3), T(3)) + T(0.5) * d.arrow<T>(),
+          heading = mpmpbd::direction(vec(T(1), T(1), T(1)));
   int const beads = 6 + static_cast<int>(d.uniform() * 3);
   for (int k = 0; k < beads; ++k) {
     r.add_bead(x, T(ratio * (0.5 + d.uniform())));
@@ -58,7 +61,8 @@ template <class T, class Form> Rig<T, Form> random_rig(Draw& d, Extras const& ex
   }
   r.stretch_compliance = d.uniform() < 0.2 ? T(0) : T(d.log_uniform(1e-5, 1e-1));
   r.bending_stiffness = T(d.log_uniform(1e-2, 1e2));
-  if constexpr (Form::FrictionLaw::grips) r.friction = {T(d.log_uniform(0.01, 3)), T(d.log_uniform(1e-3, 1))};
+  if constexpr (Form::FrictionLaw::grips)
+    r.friction = {T(d.log_uniform(0.01, 3)), T(d.log_uniform(1e-3, 1))};
   if constexpr (Form::DragLaw::drags) r.drag = {T(d.log_uniform(1e-2, 1e2))};
 
   std::vector<mpmpbd::ContactPoint<T>> needle;
@@ -91,8 +95,10 @@ template <class T, class Form> Rig<T, Form> random_rig(Draw& d, Extras const& ex
   for (auto& p : r.points) {
     p.radius = T(0.1);
     p.pressure = T(0.3 * d.normal(d.random));
-    if (p.segment >= 0) p.impulse = !extra.tension || d.uniform() < 0.3 ? Vec3<T>{} : T(0.05) * d.arrow<T>();
-    if (extra.one_sided && p.contact != Contact::tip && d.uniform() < 0.4) p.contact = Contact::surface;
+    if (p.segment >= 0)
+      p.impulse = !extra.tension || d.uniform() < 0.3 ? Vec3<T>{} : T(0.05) * d.arrow<T>();
+    if (extra.one_sided && p.contact != Contact::tip && d.uniform() < 0.4)
+      p.contact = Contact::surface;
   }
   return r;
 }

@@ -82,9 +82,16 @@ template <class T, class Form_> struct Rig {
     return {beads(), needle_points, attached_points, touched_nodes};
   }
   mpmpbd::ThreadState<T> thread() {
-    return {beads(), bead.data(), bead_velocity.data(), bead_mass.data(),
-            reinterpret_cast<bool const*>(known.data()), rest_length.data(), rest_angle.data(),
-            impulse.data(), stretch_compliance, bending_stiffness};
+    return {beads(),
+            bead.data(),
+            bead_velocity.data(),
+            bead_mass.data(),
+            reinterpret_cast<bool const*>(known.data()),
+            rest_length.data(),
+            rest_angle.data(),
+            impulse.data(),
+            stretch_compliance,
+            bending_stiffness};
   }
   mpmpbd::ExchangeView<T, Form> view() {
     mpmpbd::ExchangeView<T, Form> x{};
@@ -111,9 +118,12 @@ template <class T, class Form_> struct Rig {
     int node[n];
     auto const& p = points[static_cast<std::size_t>(q)];
     Vec3<T> u{};
-    if (!(mpmpbd::embedding_weights<typename Form::Shape>(lattice, p.position, nodes(), w, node) > 0)) return u;
+    if (!(mpmpbd::embedding_weights<typename Form::Shape>(lattice, p.position, nodes(), w, node) >
+          0))
+      return u;
     for (int a = 0; a < n; ++a) u += w[a] * velocity[static_cast<std::size_t>(node[a])];
-    if (p.segment < 0) return u - needle.velocity - mpmpbd::cross(needle.spin, p.position - needle.centre);
+    if (p.segment < 0)
+      return u - needle.velocity - mpmpbd::cross(needle.spin, p.position - needle.centre);
     auto const k = static_cast<std::size_t>(p.segment);
     return u - (1 - p.along) * bead_velocity[k] - p.along * bead_velocity[k + 1];
   }
@@ -141,10 +151,12 @@ template <class T, class Form> double kinetic_energy(Rig<T, Form> const& r) {
   double e = 0;
   for (std::size_t i = 0; i < r.mass.size(); ++i)
     for (int a = 0; a < 3; ++a)
-      if (r.inverse_mass[i][a] > 0) e += 0.5 / double(r.inverse_mass[i][a]) * std::pow(double(r.velocity[i][a]), 2);
+      if (r.inverse_mass[i][a] > 0)
+        e += 0.5 / double(r.inverse_mass[i][a]) * std::pow(double(r.velocity[i][a]), 2);
   for (std::size_t k = 0; k < r.bead.size(); ++k)
     if (!r.known[k])
-      e += 0.5 * double(r.bead_mass[k]) * double(mpmpbd::dot(r.bead_velocity[k], r.bead_velocity[k]));
+      e += 0.5 * double(r.bead_mass[k]) *
+           double(mpmpbd::dot(r.bead_velocity[k], r.bead_velocity[k]));
   if (r.needle.motion == Motion::dynamic)
     e += 0.5 * double(r.needle.mass * mpmpbd::dot(r.needle.velocity, r.needle.velocity) +
                       mpmpbd::dot(r.needle.spin, r.needle.inertia * r.needle.spin));

@@ -109,7 +109,7 @@ TEST_CASE("PIC loses the spin that its particles cannot carry") {
     CAPTURE(R, kept, predicted);
     CHECK_THAT(kept, WithinAbs(R < 5.0 ? 0.932542 : 0.981720, 1e-6));  // measured
     CHECK_THAT(1.0 - kept,
-               WithinRel(1.0 - predicted, 0.25 / R));  // nodes near the surface turn less
+               WithinRel(1.0 - predicted, 0.56 / R));  // the outermost cell is not full: O(dx/R)
     CHECK_THAT(spin_kept<Flip>(R, predicted), WithinAbs(1.0, 1e-12));
     CHECK_THAT(spin_kept<Apic>(R, predicted), WithinAbs(1.0, 1e-12));
     CHECK_THAT(spin_kept<Tpic>(R, predicted), WithinAbs(1.0, 1e-12));

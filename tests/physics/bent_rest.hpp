@@ -48,7 +48,8 @@ template <class T> struct BentRest {
     for (std::size_t i = 0; i < 17 * 17 * 4; ++i) tissue.fixed[i] = 1;  // the floor
     for (int k = 0; k <= segments; ++k) {
       double const a = (10 + 70.0 * k / segments) * mpmpbd::pi<double> / 180;
-      rig.add_bead(mpmpbd::vec(T(5.5 + 4 * std::cos(a)), T(5.5 + 4 * std::sin(a)), T(5.6)), T(c.bead_mass));
+      rig.add_bead(mpmpbd::vec(T(5.5 + 4 * std::cos(a)), T(5.5 + 4 * std::sin(a)), T(5.6)),
+                   T(c.bead_mass));
     }
     rig.allocate();
     rig.stretch_compliance = T(1 / c.stretch);
@@ -74,8 +75,10 @@ template <class T> struct BentRest {
     mpmpbd::measure_segments(mpmpbd::Solo{}, state, x.thread_work, rig.dt);
     std::vector<Vec3<T>> f(of.size());
     for (int k = 1; k + 1 < state.beads; ++k) {
-      auto const j = mpmpbd::detail::bend_joint(state, x.thread_work.links, x.thread_work.length, k);
-      for (std::size_t a = 0; a < 3; ++a) f[std::size_t(k) - 1 + a] -= j.stiffness * j.excess * j.in_plane[a];
+      auto const j =
+          mpmpbd::detail::bend_joint(state, x.thread_work.links, x.thread_work.length, k);
+      for (std::size_t a = 0; a < 3; ++a)
+        f[std::size_t(k) - 1 + a] -= j.stiffness * j.excess * j.in_plane[a];
     }
     return f;
   }
@@ -107,7 +110,8 @@ template <class T> struct BentRest {
     mpmpbd::measure_segments(team, x.thread, x.thread_work, rig.dt);
     mpmpbd::assemble_thread(team, x.thread, x.thread_work, rig.dt);
     auto& t = x.thread_work;
-    mpmpbd::ChainSystem<T, true> const chain{x.thread.beads, t.base, t.links, x.thread.known, nullptr};
+    mpmpbd::ChainSystem<T, true> const chain{x.thread.beads, t.base, t.links, x.thread.known,
+                                             nullptr};
     mpmpbd::ChainFactors<T, true> const factors{t.factors, nullptr};
     if (!mpmpbd::factor_chain(chain, factors)) return;
     std::vector<Vec3<T>> V(t.inertia, t.inertia + x.thread.beads);
@@ -137,21 +141,27 @@ template <class T> struct BentRest {
     BendResult r;
     double const before = sag();
     for (double t = 0; t < c.end && !r.ran_away; t += c.dt) {
-      rig.bending_stiffness = T(c.stiffness * std::min(1.0, t / 40));  // slowly: no slip from a jerk
+      rig.bending_stiffness =
+          T(c.stiffness * std::min(1.0, t / 40));  // slowly: no slip from a jerk
       tissue.scatter(rig);
       if (c.how == Bend::dead_load) push_tissue();
       if (c.how == Bend::before_solve) bend_thread_alone();
       if (c.how == Bend::explicit_before) {
         auto const f = forces(rig.bead);
-        for (std::size_t k = 0; k < f.size(); ++k) rig.bead_velocity[k] += T(c.dt / c.bead_mass) * f[k];
+        for (std::size_t k = 0; k < f.size(); ++k)
+          rig.bead_velocity[k] += T(c.dt / c.bead_mass) * f[k];
       }
-      if (c.how == Bend::in_solve) r.ran_away = !exchange_as<Bending>(rig.memory.data());
-      else if (c.how != Bend::dead_load) r.ran_away = !exchange_as<Limp>(limp_memory.data());
+      if (c.how == Bend::in_solve)
+        r.ran_away = !exchange_as<Bending>(rig.memory.data());
+      else if (c.how != Bend::dead_load)
+        r.ran_away = !exchange_as<Limp>(limp_memory.data());
       for (auto& p : line) p += rig.dt * Tissue<T>::velocity_at(rig, p);
       for (auto& p : tracer) p += rig.dt * Tissue<T>::velocity_at(rig, p);
       tissue.gather(rig);
-      for (auto const& p : rig.bead) r.ran_away |= !(mpmpbd::norm(p - mpmpbd::vec(T(8), T(8), T(5.6))) < T(6));
-      for (auto const& p : tracer) r.ran_away |= !(mpmpbd::norm(p - mpmpbd::vec(T(8), T(8), T(5.6))) < T(6));
+      for (auto const& p : rig.bead)
+        r.ran_away |= !(mpmpbd::norm(p - mpmpbd::vec(T(8), T(8), T(5.6))) < T(6));
+      for (auto const& p : tracer)
+        r.ran_away |= !(mpmpbd::norm(p - mpmpbd::vec(T(8), T(8), T(5.6))) < T(6));
     }
     r.straightened = before - sag();
     for (auto const& p : tracer) r.slip = std::max(r.slip, double(distance(p)));

@@ -14,15 +14,17 @@ struct BentCase {
   double stiffness = 1000;  // EA
   Scheme scheme = Scheme::embedded;
   int segments = 16;
-  double pull = 0;  // speed at which the first end is drawn out after t = 100; then `tension` acts on the other
+  double pull =
+      0;  // speed at which the first end is drawn out after t = 100; then `tension` acts on the other
 };
 
 struct BentResult {
-  double slip_early = 0, slip_end = 0, slip_most = 0;  // largest distance of tissue tracers from the thread
-  double tissue = 0;                  // mean displacement of the bend along its bisector
-  double stretch = 0;                 // largest strain after t = 100
-  double energy_rise = 0;             // above its running minimum, relative
-  double pulled = 0, held = 0;        // mean tensions of the two end segments, last 30 % of the time
+  double slip_early = 0, slip_end = 0,
+         slip_most = 0;         // largest distance of tissue tracers from the thread
+  double tissue = 0;            // mean displacement of the bend along its bisector
+  double stretch = 0;           // largest strain after t = 100
+  double energy_rise = 0;       // above its running minimum, relative
+  double pulled = 0, held = 0;  // mean tensions of the two end segments, last 30 % of the time
   bool ran_away = false;
 };
 
@@ -54,7 +56,8 @@ template <class T, class Form> struct BentThread {
     tissue.fixed.assign(rig.mass.size(), 0);
     for (int k = 0, i = 0; k < 12; ++k)
       for (int b = 0; b < 19; ++b)
-        for (int a = 0; a < 19; ++a, ++i) tissue.fixed[std::size_t(i)] = k <= 3 || k >= 8 || a >= 15 || b >= 15;
+        for (int a = 0; a < 19; ++a, ++i)
+          tissue.fixed[std::size_t(i)] = k <= 3 || k >= 8 || a >= 15 || b >= 15;
     for (int k = 0; k <= c.segments; ++k)
       rig.add_bead(mpmpbd::cast<T>(bent_path(bent_length * k / c.segments)), T(c.bead_mass));
     rig.allocate();
@@ -95,7 +98,8 @@ template <class T, class Form> struct BentThread {
       double const more = double(mpmpbd::norm(rig.bead[k + 1] - rig.bead[k]) - rig.rest_length[k]);
       e += 0.5 * c.stiffness / double(rig.rest_length[k]) * more * more;
     }
-    return e + c.tension * double(rig.bead.front()[0] - start.front()[0] + rig.bead.back()[1] - start.back()[1]);
+    return e + c.tension * double(rig.bead.front()[0] - start.front()[0] + rig.bead.back()[1] -
+                                  start.back()[1]);
   }
 
   void load_ends() {
@@ -138,7 +142,8 @@ template <class T, class Form> struct BentThread {
         rig.bead[k] -= T(w * step / l) * d;
         rig.bead[k + 1] += T(w * step / l) * d;
       }
-    for (std::size_t k = 0; k < old.size(); ++k) rig.bead_velocity[k] = T(1 / c.dt) * (rig.bead[k] - old[k]);
+    for (std::size_t k = 0; k < old.size(); ++k)
+      rig.bead_velocity[k] = T(1 / c.dt) * (rig.bead[k] - old[k]);
   }
 
   // No thread at all: the forces of a line under tension T, T (t_k - t_{k-1}), laid on the tissue itself.
@@ -154,7 +159,8 @@ template <class T, class Form> struct BentThread {
       T w[27];
       int node[27];
       bool const end = k == 0 || k + 1 == rig.bead.size();
-      T const mass = mpmpbd::embedding_weights<mpmpbd::QuadraticBSpline>(rig.lattice, rig.bead[k], rig.nodes(), w, node);
+      T const mass = mpmpbd::embedding_weights<mpmpbd::QuadraticBSpline>(rig.lattice, rig.bead[k],
+                                                                         rig.nodes(), w, node);
       for (std::size_t a = 0; a < 27 && !end && mass >= T(0.25); ++a) {
         auto const i = std::size_t(node[a]);
         rig.velocity[i] += rig.dt * w[a] * rig.inverse_mass[i][0] * f[k];
@@ -183,7 +189,8 @@ template <class T, class Form> struct BentThread {
     int bend = 0;
     for (std::size_t i = 0; i < tracer.size(); ++i)
       if (in_bend[i]) {
-        result.tissue += double(tracer0[i][0] - tracer[i][0] + tracer0[i][1] - tracer[i][1]) * std::sqrt(0.5);
+        result.tissue +=
+            double(tracer0[i][0] - tracer[i][0] + tracer0[i][1] - tracer[i][1]) * std::sqrt(0.5);
         ++bend;
       }
     result.tissue /= bend;
@@ -193,7 +200,8 @@ template <class T, class Form> struct BentThread {
   }
   void sample() {
     for (auto const& p : rig.bead)
-      result.ran_away |= !(p[0] > T(1.6) && p[0] < T(16) && p[1] > T(1.6) && p[1] < T(16) && p[2] > T(1.6) && p[2] < T(10));
+      result.ran_away |= !(p[0] > T(1.6) && p[0] < T(16) && p[1] > T(1.6) && p[1] < T(16) &&
+                           p[2] > T(1.6) && p[2] < T(10));
     double const s = slip();
     result.ran_away |= !(s < 3);
     if (result.ran_away) return;
@@ -207,7 +215,8 @@ template <class T, class Form> struct BentThread {
     if (time > 100)
       for (std::size_t k = 0; k + 1 < rig.bead.size(); ++k)
         result.stretch = std::max(
-            result.stretch, std::abs(double(mpmpbd::norm(rig.bead[k + 1] - rig.bead[k]) / rig.rest_length[k]) - 1));
+            result.stretch,
+            std::abs(double(mpmpbd::norm(rig.bead[k + 1] - rig.bead[k]) / rig.rest_length[k]) - 1));
     if (time > 0.7 * c.end) {
       result.pulled += double(rig.impulse.front()) / c.dt;
       result.held += double(rig.impulse[rig.bead.size() - 2]) / c.dt;

@@ -21,13 +21,18 @@ TEMPLATE_TEST_CASE("bending reaches the tissue whole", "[coupling][bending]", do
 TEST_CASE("heavy beads bent by explicit forces say the same", "[coupling][bending]") {
   double const in_solve = BentRest<double>({.stiffness = 4, .bead_mass = 1}).run().straightened;
   double const explicit_force =
-      BentRest<double>({.stiffness = 4, .bead_mass = 1, .how = Bend::explicit_before}).run().straightened;
+      BentRest<double>({.stiffness = 4, .bead_mass = 1, .how = Bend::explicit_before})
+          .run()
+          .straightened;
   CAPTURE(in_solve, explicit_force);
   CHECK(std::abs(in_solve / explicit_force - 1) < 0.02);
 }
 
-TEST_CASE("bending solved before the coupling is lost in a light thread", "[coupling][bending][control]") {
-  double const r = BentRest<double>({.stiffness = 16, .bead_mass = 1e-4, .how = Bend::before_solve}).run().straightened;
+TEST_CASE("bending solved before the coupling is lost in a light thread",
+          "[coupling][bending][control]") {
+  double const r = BentRest<double>({.stiffness = 16, .bead_mass = 1e-4, .how = Bend::before_solve})
+                       .run()
+                       .straightened;
   CAPTURE(r);
   CHECK(r < 0.05 * dead_load_straightens);
 }

@@ -6,7 +6,8 @@ using namespace test;
 
 TEST_CASE("contact first and XPBD after it cuts through the tissue", "[coupling][T90][control]") {
   for (double mass : {1.0, 100.0}) {
-    BentCase const c{.tension = 4, .bead_mass = mass, .end = 200, .scheme = Scheme::contact_then_xpbd};
+    BentCase const c{
+        .tension = 4, .bead_mass = mass, .end = 200, .scheme = Scheme::contact_then_xpbd};
     BentResult const r = BentThread<double, Slippery>(c).run();
     CAPTURE(mass, r.ran_away, r.slip_end);
     CHECK((r.ran_away || r.slip_end > 0.2));

@@ -19,7 +19,8 @@ TEST_CASE("a quarter of the time step", "[coupling][T90]") {
 }
 
 TEST_CASE("dead load of a bent line", "[coupling][bending]") {
-  double const r = BentRest<double>({.stiffness = 16, .dt = 0.02, .how = Bend::dead_load}).run().straightened;
+  double const r =
+      BentRest<double>({.stiffness = 16, .dt = 0.02, .how = Bend::dead_load}).run().straightened;
   CAPTURE(r);
   CHECK(std::abs(r / dead_load_straightens - 1) < 0.01);
 }

@@ -2,4 +2,6 @@
 // seconds: 130
 #include "physics/bent_thread_checks.hpp"
 
-TEST_CASE("a taut bent thread stays where it is", "[coupling][T90]") { test::check_bent_threads<double>(); }
+TEST_CASE("a taut bent thread stays where it is", "[coupling][T90]") {
+  test::check_bent_threads<double>();
+}

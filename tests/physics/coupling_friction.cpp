@@ -49,7 +49,8 @@ TEST_CASE("friction is mu times the lateral load", "[coupling][friction]") {
       CHECK(std::abs(y / x - 1) < 0.01);
       xx += x * x, xy += x * y, yy += y * y, sx += x, sy += y, ++n;
     }
-  double const slope = xy / xx, correlation = (xy - sx * sy / n) / std::sqrt((xx - sx * sx / n) * (yy - sy * sy / n));
+  double const slope = xy / xx, correlation = (xy - sx * sy / n) /
+                                              std::sqrt((xx - sx * sx / n) * (yy - sy * sy / n));
   CAPTURE(slope, correlation);
   CHECK(std::abs(slope - 1) < 0.01);
   CHECK(correlation * correlation > 0.999);
@@ -62,7 +63,8 @@ TEST_CASE("clamp pressure adds mu times pressure times area", "[coupling][fricti
     NeedleInBlock<double, Rough> block(c);
     block.rig.friction = {0.3, 0.2};
     Pull const f = draw(block, 0, 0.02, 80);
-    double const expected = 0.3 * std::max(0.0, 0.2 + squeeze) * 2 * mpmpbd::pi<double> * 0.1 * length;
+    double const expected =
+        0.3 * std::max(0.0, 0.2 + squeeze) * 2 * mpmpbd::pi<double> * 0.1 * length;
     CAPTURE(squeeze, f.axial, expected);
     CHECK(std::abs(f.axial - expected) < 0.01 * expected + 1e-6);
   }
@@ -122,7 +124,7 @@ TEST_CASE("sawing does not pump the tissue", "[coupling][friction][saw]") {
     CAPTURE(shift, at_cycle[10] - at_cycle[1], loop, friction);
     CHECK(std::abs(at_cycle[10] - at_cycle[1]) < 0.018);
     CHECK(friction > 0.1);
-    CHECK(loop < 4 * friction * half);         // the tissue follows elastically a little
+    CHECK(loop < 4 * friction * half);  // the tissue follows elastically a little
     CHECK(loop > 0.8 * 4 * friction * half);
   }
 }

@@ -19,7 +19,10 @@ template <class T> Spread push(double spacing, int sweeps) {
   Spread s;
   double squares = 0;
   for (int o = 0; o < 16; ++o) {
-    NeedleInBlock<T, Slippery> block({.x = 7.03 + 0.25 * (o % 4), .y = 7.03 + 0.25 * (o / 4), .spacing = spacing, .sweeps = sweeps});
+    NeedleInBlock<T, Slippery> block({.x = 7.03 + 0.25 * (o % 4),
+                                      .y = 7.03 + 0.25 * (o / 4),
+                                      .spacing = spacing,
+                                      .sweeps = sweeps});
     double const speed = 0.02;
     double sum = 0;
     int n = 0;
@@ -54,8 +57,10 @@ double push_nodes(double radius, int o) {
         for (int a = 0; a < 16; ++a, ++i) {
           auto& v = r.velocity[std::size_t(i)];
           double const m = r.mass[std::size_t(i)];
-          auto const away = mpmpbd::vec(a + block.c.dt * v[0] - x, b + block.c.dt * v[1] - block.c.y, 0.0);
-          if (m < 1e-4 || block.tissue.fixed[std::size_t(i)] || mpmpbd::norm(away) >= radius) continue;
+          auto const away =
+              mpmpbd::vec(a + block.c.dt * v[0] - x, b + block.c.dt * v[1] - block.c.y, 0.0);
+          if (m < 1e-4 || block.tissue.fixed[std::size_t(i)] || mpmpbd::norm(away) >= radius)
+            continue;
           auto const wanted = mpmpbd::vec(speed, 0.0, v[2]);
           if (mpmpbd::dot(v - wanted, away) >= 0) continue;
           force += m * (wanted - v)[0] / block.c.dt;
@@ -71,9 +76,11 @@ double push_nodes(double radius, int o) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("lateral force is the same between the nodes", "[coupling][push]", double, float) {
+TEMPLATE_TEST_CASE("lateral force is the same between the nodes", "[coupling][push]", double,
+                   float) {
   Spread const fine = push<TestType>(0.5, 2), coarse = push<TestType>(1.0, 2);
-  CAPTURE(fine.mean, fine.variation, fine.least / fine.mean, fine.rough, coarse.mean, coarse.variation, coarse.least / coarse.mean);
+  CAPTURE(fine.mean, fine.variation, fine.least / fine.mean, fine.rough, coarse.mean,
+          coarse.variation, coarse.least / coarse.mean);
   for (Spread const& s : {fine, coarse}) {
     CHECK(s.variation < 0.06);
     CHECK(s.least > 0.9 * s.mean);

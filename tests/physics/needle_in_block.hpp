@@ -6,8 +6,8 @@
 namespace test {
 
 struct NeedleCase {
-  double x = 7.4, y = 7.6;       // where it passes
-  double bottom = 3, top = 8;    // of the block, and of the needle
+  double x = 7.4, y = 7.6;     // where it passes
+  double bottom = 3, top = 8;  // of the block, and of the needle
   double spacing = 0.5, dt = 0.15, damping = 0.05;
   double radius = 0.1, pressure = 0;
   int sweeps = 2;
@@ -28,7 +28,8 @@ template <class T, class Form> struct NeedleInBlock {
     tissue.fixed.assign(rig.mass.size(), 0);
     for (int k = 0, i = 0; k < 14; ++k)
       for (int b = 0; b < 16; ++b)
-        for (int a = 0; a < 16; ++a, ++i) tissue.fixed[std::size_t(i)] = a <= 3 || a >= 12 || b <= 3 || b >= 12;
+        for (int a = 0; a < 16; ++a, ++i)
+          tissue.fixed[std::size_t(i)] = a <= 3 || a >= 12 || b <= 3 || b >= 12;
     int const n = static_cast<int>(std::lround((c.top - c.bottom) / c.spacing));
     std::vector<mpmpbd::ContactPoint<T>> points;
     for (int i = 0; i < n; ++i) {
@@ -56,7 +57,8 @@ template <class T, class Form> struct NeedleInBlock {
     rig.previous_dt = rig.dt;
     force = mpmpbd::cast<double>(mpmpbd::needle_wrench(x, rig.needle.centre).force);
     double sizes = 0;
-    for (auto const& p : rig.points) sizes += std::hypot(double(p.impulse[0]), double(p.impulse[1]));
+    for (auto const& p : rig.points)
+      sizes += std::hypot(double(p.impulse[0]), double(p.impulse[1]));
     rough = sizes / c.dt / std::max(std::hypot(force[0], force[1]), 1e-30);
     tissue.gather(rig);
     for (auto& p : rig.points) {

@@ -43,9 +43,11 @@ template <class T> struct Tissue {
     for (int k = 0; k < 3; ++k)
       for (int j = 0; j < 3; ++j) {
         T const w = s.w[1][j] * s.w[2][k];
-        auto const row = static_cast<std::size_t>(s.base[0] + nx * (s.base[1] + j + ny * (s.base[2] + k)));
+        auto const row =
+            static_cast<std::size_t>(s.base[0] + nx * (s.base[1] + j + ny * (s.base[2] + k)));
         for (int i = 0; i < 3; ++i)
-          f(row + static_cast<std::size_t>(i), w * s.w[0][i], mpmpbd::vec(s.d[0][i], s.d[1][j], s.d[2][k]));
+          f(row + static_cast<std::size_t>(i), w * s.w[0][i],
+            mpmpbd::vec(s.d[0][i], s.d[1][j], s.d[2][k]));
       }
   }
 
@@ -60,7 +62,8 @@ template <class T> struct Tissue {
           Vec3<double> p = mpmpbd::vec(x, y, z);
           for (int a = 0; a < 3; ++a) p[a] += 0.25 * jitter * U(random);
           if (inside && !inside(p)) continue;
-          particles.push_back({mpmpbd::cast<T>(p), {}, {}, Mat3<T>::identity(), T(0.125), T(0.125)});
+          particles.push_back(
+              {mpmpbd::cast<T>(p), {}, {}, Mat3<T>::identity(), T(0.125), T(0.125)});
         }
   }
 
@@ -70,7 +73,8 @@ template <class T> struct Tissue {
     std::fill(r.velocity.begin(), r.velocity.end(), Vec3<T>{});
     for (auto const& p : particles) {
       T const log_J = mpmpbd::log(mpmpbd::determinant(p.F));
-      Mat3<T> const tau = mu * (p.F * mpmpbd::transpose(p.F)) + (lambda * log_J - mu) * Mat3<T>::identity();
+      Mat3<T> const tau =
+          mu * (p.F * mpmpbd::transpose(p.F)) + (lambda * log_J - mu) * Mat3<T>::identity();
       Mat3<T> const A = p.m * p.C - (4 * dt * p.volume) * tau;
       Vec3<T> const mv = p.m * p.v;
       each_node(near(p.x), r.lattice.nodes[0], r.lattice.nodes[1],
@@ -110,9 +114,10 @@ template <class T> struct Tissue {
     double e = 0;
     for (auto const& p : particles) {
       double const J = double(mpmpbd::determinant(p.F)), log_J = std::log(J);
-      e += double(p.volume) * (0.5 * double(mu) * (double(mpmpbd::dot(p.F, p.F)) - 3) - double(mu) * log_J +
-                               0.5 * double(lambda) * log_J * log_J);
-      e += 0.5 * double(p.m) * (double(mpmpbd::dot(p.v, p.v)) + 0.25 * double(mpmpbd::dot(p.C, p.C)));
+      e += double(p.volume) * (0.5 * double(mu) * (double(mpmpbd::dot(p.F, p.F)) - 3) -
+                               double(mu) * log_J + 0.5 * double(lambda) * log_J * log_J);
+      e += 0.5 * double(p.m) *
+           (double(mpmpbd::dot(p.v, p.v)) + 0.25 * double(mpmpbd::dot(p.C, p.C)));
     }
     return e;
   }

@@ -15,12 +15,8 @@
 namespace mpmpbd {
 
 // The matrix blocks of a bead. W couples it to the next but one and exists only where the thread bends.
-template <class T, bool bends> struct BeadBlocks {
-  Mat3<T> A, U;
-};
-template <class T> struct BeadBlocks<T, true> {
-  Mat3<T> A, U, W;
-};
+template <class T, bool bends> struct BeadBlocks { Mat3<T> A, U; };
+template <class T> struct BeadBlocks<T, true> { Mat3<T> A, U, W; };
 
 // The link from bead k to k+1. A gap between two threads has direction 0, compliance 1, and U = W = 0.
 template <class T> struct Link {
@@ -169,7 +165,8 @@ MPMPBD_HD bool factor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bend
       f.W = s.blocks[k].W;
       f.beyond = carry.p_beyond;
     }
-    if (swaged && k == s.beads - 1) return detail::factor_end(*s.end, A, carry.p, carry.gamma, *factors.end);
+    if (swaged && k == s.beads - 1)
+      return detail::factor_end(*s.end, A, carry.p, carry.gamma, *factors.end);
     bool const ok = s.known[k] ? detail::border_of_known(carry.p, carry.gamma, f)
                                : detail::invert_bordered(A, carry.p, carry.gamma, f);
     if (!ok) return false;

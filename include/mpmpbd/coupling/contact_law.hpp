@@ -20,16 +20,16 @@ enum class Contact : int {
 
 // A point where a body meets tissue. Position, axis and so on are new every substep; `impulse` is state.
 template <class T> struct ContactPoint {
-  Vec3<T> position;   // [m]
-  Vec3<T> axis;       // unit: tangent (member), inward normal (surface), direction of motion (tip)
-  Vec3<T> impulse;    // J, of the body on the tissue in the last substep [N s]
-  T length;           // of body that the point stands for [m]
-  T radius;           // of the body [m]
-  T pressure;         // of the tissue around the point, normal to the axis [Pa]
-  T force_cap;        // of a tip [N]
-  T coverage;         // theta: mass around the point / mass of full tissue; written by embed_points
-  T along;            // thread: where on its segment, in [0, 1]
-  int segment;        // thread: from bead `segment` to the next; -1: a point of the needle
+  Vec3<T> position;  // [m]
+  Vec3<T> axis;      // unit: tangent (member), inward normal (surface), direction of motion (tip)
+  Vec3<T> impulse;   // J, of the body on the tissue in the last substep [N s]
+  T length;          // of body that the point stands for [m]
+  T radius;          // of the body [m]
+  T pressure;        // of the tissue around the point, normal to the axis [Pa]
+  T force_cap;       // of a tip [N]
+  T coverage;        // theta: mass around the point / mass of full tissue; written by embed_points
+  T along;           // thread: where on its segment, in [0, 1]
+  int segment;       // thread: from bead `segment` to the next; -1: a point of the needle
   Contact contact;
 };
 
@@ -72,7 +72,8 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
   // Largest friction impulse while the point carries `total`.
   MPMPBD_HD T friction_cap(ContactPoint<T> const& p, Vec3<T> const& total) const {
     if constexpr (grips) {
-      if (p.contact == Contact::surface) return friction.coefficient * max(dot(p.axis, total), T(0));
+      if (p.contact == Contact::surface)
+        return friction.coefficient * max(dot(p.axis, total), T(0));
       T const pressure = max(friction.clamp_pressure + p.pressure, T(0));
       return friction.coefficient *
              (norm(sideways(p, total)) + pressure * 2 * pi<T> * p.radius * p.length * dt);
@@ -114,14 +115,16 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
 
   // After a trial that would leave the point with `total`: does it let go? Returns its new hold and, if
   // it slides, its friction.
-  MPMPBD_HD Hold yields(ContactPoint<T> const& p, Hold hold, Vec3<T> const& total, Vec3<T>& slip_impulse) const {
+  MPMPBD_HD Hold yields(ContactPoint<T> const& p, Hold hold, Vec3<T> const& total,
+                        Vec3<T>& slip_impulse) const {
     if (p.contact == Contact::surface || p.contact == Contact::tip) {
       T const push = dot(p.axis, total);
       if (push < T(0)) return Hold::open;
       if (p.contact == Contact::tip) return push > p.force_cap * dt ? Hold::full : hold;
     }
     if constexpr (grips) {
-      if (hold != Hold::stick || p.contact == Contact::tied || p.contact == Contact::off) return hold;
+      if (hold != Hold::stick || p.contact == Contact::tied || p.contact == Contact::off)
+        return hold;
       Vec3<T> const along = slip_part(p, total);
       T const cap = friction_cap(p, total), size = norm(along);
       if (size > cap) {
@@ -134,7 +137,8 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
 
   // After a trial with slip u' left: a limit that would do work on the tissue instead of resisting the
   // slip was chosen wrongly, and the point holds again. Without this some states gain energy.
-  MPMPBD_HD Hold returns(ContactPoint<T> const& p, Hold hold, Vec3<T> const& total, Vec3<T> const& slip) const {
+  MPMPBD_HD Hold returns(ContactPoint<T> const& p, Hold hold, Vec3<T> const& total,
+                         Vec3<T> const& slip) const {
     T const apart = dot(p.axis, slip);  // > 0: the tissue runs ahead of a pushing point
     if (hold == Hold::open && apart < T(0)) return first_hold;
     if (hold == Hold::full && apart > T(0)) return first_hold;

@@ -28,7 +28,8 @@ enum class Motion : int { absent, kinematic, dynamic };
 // centre of mass). The caller moves it with the velocity that the exchange leaves.
 template <class T> struct RigidBody {
   Motion motion;
-  bool swaged;  // the last bead of the thread is fixed to it; with a kinematic body it is a known bead
+  bool
+      swaged;  // the last bead of the thread is fixed to it; with a kinematic body it is a known bead
   Vec3<T> centre, velocity, spin;
   T mass;
   Mat3<T> inertia;  // in world axes
@@ -36,11 +37,11 @@ template <class T> struct RigidBody {
 
 // Scratch of one point.
 template <class T> struct PointWork {
-  T D;                // splitting
-  Vec3<T> slip;       // before the exchange, with the thread solved alone
-  Vec3<T> u;          // tissue velocity there, at the start of a sweep
-  Vec3<T> J;          // impulse so far
-  Vec3<T> dJ;         // of the present pass
+  T D;           // splitting
+  Vec3<T> slip;  // before the exchange, with the thread solved alone
+  Vec3<T> u;     // tissue velocity there, at the start of a sweep
+  Vec3<T> J;     // impulse so far
+  Vec3<T> dJ;    // of the present pass
   Vec3<T> slip_impulse;
   Hold hold;
 };
@@ -62,10 +63,10 @@ template <class T> struct ExchangeScratch {
 template <class T, class Form> struct ExchangeView {
   using Scalar = T;
   Lattice<T> lattice;
-  T rest_density;           // of the tissue [kg/m^3]
-  T dt, previous_dt;        // [s]
+  T rest_density;     // of the tissue [kg/m^3]
+  T dt, previous_dt;  // [s]
   ThreadState<T> thread;
-  RigidBody<T>* needle;     // never null; Motion::absent without one
+  RigidBody<T>* needle;  // never null; Motion::absent without one
   ContactPoint<T>* points;
   int needle_points, attached_points;
   parameters_t<typename Form::FrictionLaw, T> friction;
@@ -84,7 +85,8 @@ template <class T, class Form> struct ExchangeView {
 
 // Positions and tangents of the thread's points: two Gauss points per segment; one would not see a thread
 // that buckles in a zigzag.
-template <class Team_, class View_> MPMPBD_HD void place_thread_points(Team_ const& team, View_ const& x) {
+template <class Team_, class View_>
+MPMPBD_HD void place_thread_points(Team_ const& team, View_ const& x) {
   using T = typename View_::Scalar;
   measure_segments(team, x.thread, x.thread_work, x.dt);
   bead_tangents(team, x.thread, x.thread_work);
@@ -94,7 +96,8 @@ template <class Team_, class View_> MPMPBD_HD void place_thread_points(Team_ con
     p.segment = k;
     p.along = T(q % 2 == 0 ? 0.21132486540518712 : 0.78867513459481288);
     p.position = (1 - p.along) * x.thread.position[k] + p.along * x.thread.position[k + 1];
-    p.axis = direction((1 - p.along) * x.thread_work.tangent[k] + p.along * x.thread_work.tangent[k + 1]);
+    p.axis = direction((1 - p.along) * x.thread_work.tangent[k] +
+                       p.along * x.thread_work.tangent[k + 1]);
     p.length = x.thread.rest_length[k] / 2;
     if (!detail::is_segment(x.thread, k)) p.contact = Contact::off;
   });
@@ -108,9 +111,10 @@ MPMPBD_HD void embed_points(Team_ const& team, ExchangeView<T, Form> const& x, N
   T const full = x.rest_density * x.lattice.dx * x.lattice.dx * x.lattice.dx;
   team.each(x.count(), [&](int q) {
     int const first = q * x.incidence.per_point;
-    x.points[q].coverage =
-        embedding_weights<typename Form::Shape>(x.lattice, x.points[q].position, nodes,
-                                                x.incidence.weight + first, x.incidence.node + first) / full;
+    x.points[q].coverage = embedding_weights<typename Form::Shape>(
+                               x.lattice, x.points[q].position, nodes, x.incidence.weight + first,
+                               x.incidence.node + first) /
+                           full;
   });
   team.sync();
 }
@@ -213,12 +217,14 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       Vec3<T> const f = column < 6 ? apply(b, q, velocity_at(unit, arm)) : load(b, q);
       sum += lift(arm, f);
     }
-    if (column == 6) x.scratch->body = sum;
+    if (column == 6)
+      x.scratch->body = sum;
     else
       for (int i = 0; i < 6; ++i) x.scratch->end.matrix(i, column) = sum[i];
   }
   MPMPBD_HD void inertia_column(int column, Vec<T, 6>& sum) const {
-    if (column < 3) sum[column] = x.needle->mass;
+    if (column < 3)
+      sum[column] = x.needle->mass;
     else
       for (int i = 0; i < 3; ++i) sum[3 + i] = x.needle->inertia(i, column - 3);
   }
@@ -245,7 +251,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       ExchangeScratch<T>& s = *x.scratch;
       if (!factored && !factor_chain(chain(blocks), factors())) s.failed = 1;
       if (s.failed == 0)
-        solve_chain(chain(blocks), factors(), x.thread_work.trial, x.thread_work.trial_impulse, &s.body);
+        solve_chain(chain(blocks), factors(), x.thread_work.trial, x.thread_work.trial_impulse,
+                    &s.body);
     });
     team.sync();
   }
@@ -269,7 +276,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
   // Velocity changes of all touched nodes by an impulse at every point.
-  template <class Impulse, class Use> MPMPBD_HD void push_nodes(Impulse const& impulse, Use const& use) const {
+  template <class Impulse, class Use>
+  MPMPBD_HD void push_nodes(Impulse const& impulse, Use const& use) const {
     team.each(x.incidence.counters[0], [&](int i) {
       TouchedNode<T>& n = x.incidence.nodes[i];
       Vec3<T> change = sum_over_points(x.incidence, i, impulse);
@@ -333,14 +341,17 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       t.trial[k] = t.inertia[k];
       t.trial_impulse[k] = t.gap_speed[k];
     });
-    team.one([&] { if (dynamic()) x.scratch->body = x.scratch->momentum; });
+    team.one([&] {
+      if (dynamic()) x.scratch->body = x.scratch->momentum;
+    });
     reset_kinematic(T(1));
     team.sync();
     solve(t.base);
     remember_alone();
     offer();
     solve(t.base, true);
-    push_nodes([&](int q) { return x.work[q].J; }, [](TouchedNode<T>& n, Vec3<T> const& dv) { n.change = dv; });
+    push_nodes([&](int q) { return x.work[q].J; },
+               [](TouchedNode<T>& n, Vec3<T> const& dv) { n.change = dv; });
     team.one([&] { x.scratch->share = line_search(); });
     team.sync();
     T const share = x.scratch->share;
@@ -355,7 +366,9 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   // The end of a substep without tissue: where every line search starts.
   MPMPBD_HD void remember_alone() const {
     auto const& t = x.thread_work;
-    team.each(x.count(), [&](int q) { if (x.on[q]) x.work[q].slip = x.work[q].u - body_velocity(q); });
+    team.each(x.count(), [&](int q) {
+      if (x.on[q]) x.work[q].slip = x.work[q].u - body_velocity(q);
+    });
     team.each(x.thread.beads, [&](int k) {
       t.alone[k] = t.trial[k];
       t.alone_impulse[k] = t.trial_impulse[k];
@@ -417,7 +430,9 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.each(x.count(), [&](int q) {
       if (!x.on[q]) return;
       PointWork<T>& w = x.work[q];
-      Hold const next = how == Revision::yield ? yields(q) : how == Revision::reconsider ? reconsiders(q) : releases(q);
+      Hold const next = how == Revision::yield        ? yields(q)
+                        : how == Revision::reconsider ? reconsiders(q)
+                                                      : releases(q);
       if (next == w.hold) return;
       w.hold = next;
       team.add(x.scratch->changed, 1);
@@ -465,7 +480,9 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     }
     push_nodes([&](int q) { return x.work[q].dJ; },
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.velocity += dv; });
-    team.each(x.count(), [&](int q) { if (x.on[q]) x.work[q].J += x.work[q].dJ; });
+    team.each(x.count(), [&](int q) {
+      if (x.on[q]) x.work[q].J += x.work[q].dJ;
+    });
     team.sync();
   }
 
@@ -489,7 +506,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       t.trial_impulse[k] = t.alone_impulse[k] + share * (t.trial_impulse[k] - t.alone_impulse[k]);
     });
     team.each(x.count(), [&](int q) { x.work[q].J *= share; });
-    team.one([&] { x.scratch->body = x.scratch->alone + share * (x.scratch->body - x.scratch->alone); });
+    team.one(
+        [&] { x.scratch->body = x.scratch->alone + share * (x.scratch->body - x.scratch->alone); });
     team.sync();
   }
   MPMPBD_HD T safe_share() const {
@@ -531,8 +549,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 //
 // nodes: mass(i) > 0 where it has mass, inverse_mass(i) per axis, velocity(i), set_velocity(i, v).
 template <class Team_, class T, class Form, class Nodes>
-MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const& x, Nodes const& nodes,
-                                 int sweeps = 2) {
+MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const& x,
+                                 Nodes const& nodes, int sweeps = 2) {
   detail::Exchange<Team_, T, Form, Nodes> const e(team, x, nodes);
   std::uint32_t const faults = e.begin();
   e.warm_start();
@@ -545,9 +563,7 @@ MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const&
 
 // Force and moment of a needle about `centre`, as the tissue exerts them [N, N m]. The pull of a swaged
 // thread is not in it.
-template <class T> struct Wrench {
-  Vec3<T> force, moment;
-};
+template <class T> struct Wrench { Vec3<T> force, moment; };
 template <class T, class Form>
 MPMPBD_HD Wrench<T> needle_wrench(ExchangeView<T, Form> const& x, Vec3<T> const& centre) {
   Wrench<T> sum{};

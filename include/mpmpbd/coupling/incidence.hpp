@@ -16,12 +16,12 @@ namespace mpmpbd {
 // A touched node: what the exchange needs of it.
 template <class T> struct TouchedNode {
   Vec3<T> velocity{};
-  Vec3<T> start{};         // its velocity before the exchange
-  Vec3<T> change{};        // of velocity, offered by the warm start
-  Vec3<T> inverse_mass{};  // per axis; 0 where a wall holds the node
-  T free_inverse_mass{};   // 1/m, walls or not
-  T split{};               // sum of |weight| over the points of all bodies
-  int index = 0;           // in the lattice
+  Vec3<T> start{};           // its velocity before the exchange
+  Vec3<T> change{};          // of velocity, offered by the warm start
+  Vec3<T> inverse_mass{};    // per axis; 0 where a wall holds the node
+  T free_inverse_mass{};     // 1/m, walls or not
+  T split{};                 // sum of |weight| over the points of all bodies
+  int index = 0;             // in the lattice
   int first = 0, count = 0;  // its entries in `pairs`
 };
 
@@ -30,13 +30,13 @@ template <class T> struct Incidence {
   int node_capacity;
   int point_capacity;
   int per_point;
-  int* slot_of_node;      // one per lattice node, -1 between two exchanges
-  T* weight;              // per pair; a point that is off keeps none
-  int* node;              // per pair: lattice node
-  int* slot;              // per pair: touched node, -1 for none
-  int* pairs;             // pairs sorted by touched node, then by point
+  int* slot_of_node;  // one per lattice node, -1 between two exchanges
+  T* weight;          // per pair; a point that is off keeps none
+  int* node;          // per pair: lattice node
+  int* slot;          // per pair: touched node, -1 for none
+  int* pairs;         // pairs sorted by touched node, then by point
   TouchedNode<T>* nodes;
-  int* counters;          // {touched nodes, entries of pairs}
+  int* counters;  // {touched nodes, entries of pairs}
 };
 
 namespace detail {
@@ -54,8 +54,7 @@ MPMPBD_HD void touch(Team_ const& team, Incidence<T> const& c, int pair) {
 }
 
 // Too many nodes: the points are taken in order, as many as fit; a point that does not fit is off.
-template <class T>
-MPMPBD_HD void touch_in_order(Incidence<T> const& c, int points, bool* on) {
+template <class T> MPMPBD_HD void touch_in_order(Incidence<T> const& c, int points, bool* on) {
   for (int p = 0; p < points * c.per_point; ++p)
     if (on[p / c.per_point]) c.slot_of_node[c.node[p]] = unseen;
   int used = 0;
@@ -63,7 +62,8 @@ MPMPBD_HD void touch_in_order(Incidence<T> const& c, int points, bool* on) {
     if (!on[q]) continue;
     int fresh = 0;
     int const begin = q * c.per_point, end = begin + c.per_point;
-    for (int p = begin; p < end; ++p) fresh += c.slot_of_node[c.node[p]] == unseen && c.weight[p] != T(0);
+    for (int p = begin; p < end; ++p)
+      fresh += c.slot_of_node[c.node[p]] == unseen && c.weight[p] != T(0);
     if (used + fresh > c.node_capacity) {
       on[q] = false;
       continue;
@@ -97,7 +97,9 @@ MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int po
   auto const used = [&](int p) { return on[p / c.per_point] && c.weight[p] != T(0); };
   team.one([&] { c.counters[0] = c.counters[1] = 0; });
   team.sync();
-  team.each(all, [&](int p) { if (used(p)) detail::touch(team, c, p); });
+  team.each(all, [&](int p) {
+    if (used(p)) detail::touch(team, c, p);
+  });
   team.sync();
   bool const overflow = c.counters[0] > c.node_capacity;
   team.sync();

@@ -21,14 +21,14 @@ struct TeamProbe {
 // sync(): what any lane wrote before is seen by all lanes after. Neither each nor one waits by itself.
 // add(counter, n): adds n, returns the value before. claim(mark, from, to): sets mark to `to` for the
 // one caller that found `from` there, and tells that caller.
-template <class Team_> concept Team =
-    requires(Team_ const& team, detail::TeamProbe f, int& counter) {
-      team.each(1, f);
-      team.one(f);
-      team.sync();
-      { team.add(counter, 1) } -> std::same_as<int>;
-      { team.claim(counter, 0, 1) } -> std::same_as<bool>;
-    };
+template <class Team_>
+concept Team = requires(Team_ const& team, detail::TeamProbe f, int& counter) {
+  team.each(1, f);
+  team.one(f);
+  team.sync();
+  { team.add(counter, 1) } -> std::same_as<int>;
+  { team.claim(counter, 0, 1) } -> std::same_as<bool>;
+};
 
 // One lane.
 struct Solo {

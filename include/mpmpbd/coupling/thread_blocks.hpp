@@ -14,14 +14,15 @@ template <class T> struct ThreadState {
   Vec3<T>* position;
   Vec3<T>* velocity;
   T const* mass;
-  bool const* known;        // this bead's velocity is given (pin, kinematic needle); it leaves the system
-  T const* rest_length;     // beads - 1
-  T const* rest_angle;      // turning angle at bead k, 0 = straight; null: straight; read where it bends
-  T* impulse;               // lambda of segment k [N s], tension * dt; carried over
-  T stretch_compliance;     // 1/EA [1/N]; 0: inextensible
-  T bending_stiffness;      // EI [N m^2]
-  int held = -1;            // bead whose tangent is given: a swaged one, which goes on as the needle does
-  Vec3<T> held_tangent{};   // unit, towards the next bead
+  bool const* known;  // this bead's velocity is given (pin, kinematic needle); it leaves the system
+  T const* rest_length;  // beads - 1
+  T const*
+      rest_angle;  // turning angle at bead k, 0 = straight; null: straight; read where it bends
+  T* impulse;      // lambda of segment k [N s], tension * dt; carried over
+  T stretch_compliance;  // 1/EA [1/N]; 0: inextensible
+  T bending_stiffness;   // EI [N m^2]
+  int held = -1;  // bead whose tangent is given: a swaged one, which goes on as the needle does
+  Vec3<T> held_tangent{};  // unit, towards the next bead
 };
 
 // A joint in its present shape: how its turning angle changes with the three beads around it.
@@ -33,9 +34,7 @@ template <class T> struct Joint {
   T across_share;       // of the stiffness that resists leaving the plane, in [0, 1]
 };
 template <class T, bool bends> struct JointStore {};
-template <class T> struct JointStore<T, true> {
-  Joint<T>* joints;
-};
+template <class T> struct JointStore<T, true> { Joint<T>* joints; };
 
 // Work arrays of the chain; one entry per bead each.
 template <class T, bool bends> struct ThreadWork : JointStore<T, bends> {
@@ -43,14 +42,14 @@ template <class T, bool bends> struct ThreadWork : JointStore<T, bends> {
   BeadBlocks<T, bends>* blocks;  // base + contact of one pass
   BeadFactor<T, bends>* factors;
   Link<T>* links;
-  T* length;        // of segment k
-  Vec3<T>* tangent; // at bead k
-  T* gap_speed;     // g of segment k
-  Vec3<T>* inertia; // m v + bending, the right-hand side without contact
-  Vec3<T>* trial;   // right-hand side, then velocities
-  T* trial_impulse; // g, then link impulses
-  Vec3<T>* alone;   // velocities without tissue
-  T* alone_impulse; // and link impulses
+  T* length;         // of segment k
+  Vec3<T>* tangent;  // at bead k
+  T* gap_speed;      // g of segment k
+  Vec3<T>* inertia;  // m v + bending, the right-hand side without contact
+  Vec3<T>* trial;    // right-hand side, then velocities
+  T* trial_impulse;  // g, then link impulses
+  Vec3<T>* alone;    // velocities without tissue
+  T* alone_impulse;  // and link impulses
 };
 
 namespace detail {
@@ -70,14 +69,16 @@ template <class T> MPMPBD_HD Vec3<T> chord_direction(ThreadState<T> const& s, in
 }
 
 // Tension stiffens a segment across its direction; compression would soften it and is left out.
-template <class T> MPMPBD_HD Mat3<T> tension_block(ThreadState<T> const& s, Vec3<T> const& n, T length, int k, T dt) {
+template <class T>
+MPMPBD_HD Mat3<T> tension_block(ThreadState<T> const& s, Vec3<T> const& n, T length, int k, T dt) {
   T const pull = max(s.impulse[k], T(0));
   return dt * pull / max(length, s.rest_length[k]) * (Mat3<T>::identity() - outer(n, n));
 }
 
 // Turning angle by atan2: accurate for straight and folded joints alike, unlike arccos.
 template <class T>
-MPMPBD_HD Joint<T> bend_joint(ThreadState<T> const& s, Link<T> const* links, T const* length, int k) {
+MPMPBD_HD Joint<T> bend_joint(ThreadState<T> const& s, Link<T> const* links, T const* length,
+                              int k) {
   Joint<T> j{};
   if (!is_segment(s, k - 1) || !is_segment(s, k) || !(s.bending_stiffness > T(0))) return j;
   Vec3<T> const n1 = links[k - 1].direction, n2 = links[k].direction;
@@ -125,7 +126,8 @@ MPMPBD_HD void add_bending(ThreadState<T> const& s, ThreadWork<T, bends> const& 
 
 // Directions, lengths and stretch of all segments.
 template <class T, bool bends, class Team_>
-MPMPBD_HD void measure_segments(Team_ const& team, ThreadState<T> const& s, ThreadWork<T, bends> const& w, T dt) {
+MPMPBD_HD void measure_segments(Team_ const& team, ThreadState<T> const& s,
+                                ThreadWork<T, bends> const& w, T dt) {
   team.each(s.beads, [&](int k) {
     bool const there = detail::is_segment(s, k);
     w.links[k] = {Vec3<T>{}, T(1)};
@@ -144,7 +146,8 @@ MPMPBD_HD void measure_segments(Team_ const& team, ThreadState<T> const& s, Thre
 // a thread that is pulled round a bend. At a swage it is the needle's: with the chord's, which cuts the
 // corner of the needle's arc, needle and thread would hold the same tissue in different directions.
 template <class T, bool bends, class Team_>
-MPMPBD_HD void bead_tangents(Team_ const& team, ThreadState<T> const& s, ThreadWork<T, bends> const& w) {
+MPMPBD_HD void bead_tangents(Team_ const& team, ThreadState<T> const& s,
+                             ThreadWork<T, bends> const& w) {
   team.each(s.beads, [&](int k) {
     Vec3<T> const before = k > 0 ? w.links[k - 1].direction : Vec3<T>{};
     Vec3<T> const after = w.links[k].direction;
@@ -157,7 +160,8 @@ MPMPBD_HD void bead_tangents(Team_ const& team, ThreadState<T> const& s, ThreadW
 // Inertia, tension and bending: `base` and `inertia` of every bead. External forces and everything else
 // that changes velocities must have acted on s.velocity before.
 template <class T, bool bends, class Team_>
-MPMPBD_HD void assemble_thread(Team_ const& team, ThreadState<T> const& s, ThreadWork<T, bends> const& w, T dt) {
+MPMPBD_HD void assemble_thread(Team_ const& team, ThreadState<T> const& s,
+                               ThreadWork<T, bends> const& w, T dt) {
   if constexpr (bends) {
     team.each(s.beads, [&](int k) { w.joints[k] = detail::bend_joint(s, w.links, w.length, k); });
     team.sync();

@@ -6,7 +6,8 @@
 namespace mpmpbd {
 
 // Nodes of one point, a fixed number each.
-template <class Shape> inline constexpr int nodes_per_point = Shape::width * Shape::width * Shape::width;
+template <class Shape>
+inline constexpr int nodes_per_point = Shape::width* Shape::width* Shape::width;
 
 namespace detail {
 
@@ -36,7 +37,8 @@ MPMPBD_HD void for_each_node(Lattice<T> const& lattice, Neighbourhood<T> const& 
   for (int k = 0; k < Shape::width; ++k)
     for (int j = 0; j < Shape::width; ++j)
       for (int i = 0; i < Shape::width; ++i, ++a) {
-        int const node = static_cast<int>(lattice.index(s.base[0] + i, s.base[1] + j, s.base[2] + k));
+        int const node =
+            static_cast<int>(lattice.index(s.base[0] + i, s.base[1] + j, s.base[2] + k));
         T const w = Shape::weight(i, s.f[0]) * Shape::weight(j, s.f[1]) * Shape::weight(k, s.f[2]);
         f(a, node, w, vec(T(i) - s.f[0], T(j) - s.f[1], T(k) - s.f[2]));
       }

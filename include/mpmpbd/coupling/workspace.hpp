@@ -35,7 +35,8 @@ struct Cutter {
 };
 
 template <class T, class Form>
-MPMPBD_HD std::size_t cut_workspace(char* memory, ExchangeCapacity const& c, ExchangeView<T, Form>& x) {
+MPMPBD_HD std::size_t cut_workspace(char* memory, ExchangeCapacity const& c,
+                                    ExchangeView<T, Form>& x) {
   Cutter cutter{memory};
   int const per_point = nodes_per_point<typename Form::Shape>, pairs = c.points() * per_point;
   auto& t = x.thread_work;
@@ -79,7 +80,8 @@ template <class T, class Form> MPMPBD_HD std::size_t exchange_bytes(ExchangeCapa
 // Points the work arrays of x into `memory` (exchange_bytes long, aligned for double). `slot_of_node` has
 // one int per lattice node, all -1 before the first exchange; every exchange leaves it so.
 template <class T, class Form>
-MPMPBD_HD void use_workspace(ExchangeView<T, Form>& x, ExchangeCapacity const& c, void* memory, int* slot_of_node) {
+MPMPBD_HD void use_workspace(ExchangeView<T, Form>& x, ExchangeCapacity const& c, void* memory,
+                             int* slot_of_node) {
   detail::cut_workspace<T, Form>(static_cast<char*>(memory), c, x);
   x.incidence.slot_of_node = slot_of_node;
 }

@@ -249,7 +249,8 @@ template <int iterations_ = 4> struct DirectBanded {
             b, acts ? h : Vec<T, 3 * point_count<C>>{});
         env.template set<typename System::template Alpha<Sideways>>(b, alpha);
         env.template set<typename System::template Force<Sideways>>(b, acts ? f_side : T(0));
-        env.template set<typename System::template Right<Sideways>>(b, acts ? -alpha * f_side : T(0));
+        env.template set<typename System::template Right<Sideways>>(b,
+                                                                    acts ? -alpha * f_side : T(0));
       }
       env.template set<typename System::template Gradient<C>>(b, g);
       env.template set<typename System::template Right<C>>(b,
