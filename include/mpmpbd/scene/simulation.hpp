@@ -61,6 +61,7 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     for (std::int64_t e = 0; e < environments(); ++e) set<P>(e, k);
   }
   template <class P> void set(std::int64_t env, parameters_t<P, double> const& k) {
+    check_environment(env);
     check_parameters<P, double>(k);
     state_.template set_parameters<P>(env, cast_parameters<P, T, double>(k));
   }
@@ -70,6 +71,7 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   void add_particles(std::int64_t env, std::span<Vec3<double> const> positions, double density,
                      double volume) requires(Scene_::has_body) {
     if constexpr (Scene::has_body) {  // clang 14 instantiates it in spite of the requirement
+      check_environment(env);
       check_parameter("Simulation::add_particles", bound::positive("density", "kg/m^3"), density);
       check_parameter("Simulation::add_particles", bound::positive("volume", "m^3"), volume);
       for (auto const& x : positions) check_position<typename Scene::Body>(x);
@@ -93,10 +95,14 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     for (std::int64_t e = 0; e < environments(); ++e) reset(e);
   }
   void reset(std::span<unsigned char const> mask) {
+    detail::require(static_cast<std::int64_t>(mask.size()) == environments(),
+                    "a mask of " + std::to_string(mask.size()) + " entries given; this run has " +
+                        std::to_string(environments()) + " environments");
     for (std::int64_t e = 0; e < environments(); ++e)
       if (mask[static_cast<std::size_t>(e)]) reset(e);
   }
   void reset(std::int64_t env) {
+    check_environment(env);
     auto const episode = state_.template get<environment::Episode>(env);
     state_.copy_environment(env, initial_, env);
     state_.template set<environment::Episode>(env, episode + 1);
@@ -115,7 +121,11 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     state_ = source;
   }
   // Makes environment `to` an exact copy of `from`.
-  void clone(std::int64_t from, std::int64_t to) { state_.copy_environment(to, state_, from); }
+  void clone(std::int64_t from, std::int64_t to) {
+    check_environment(from);
+    check_environment(to);
+    state_.copy_environment(to, state_, from);
+  }
 
   std::uint32_t status(std::int64_t env) const {
     return static_cast<std::uint32_t>(state_.template get<environment::Status>(env));
@@ -199,6 +209,12 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   }
 
   std::uint32_t status_of(std::int64_t env) const { return status(env); }
+
+  void check_environment(std::int64_t env) const {
+    detail::require(env >= 0 && env < environments(), "environment " + std::to_string(env) +
+                                                          " given; this run has 0 to " +
+                                                          std::to_string(environments() - 1));
+  }
 
   Ctx context_of(std::int64_t env) const {
     Ctx c{};
