@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include <mpmpbd/core/fixed_string.hpp>
 #include <mpmpbd/core/parameters.hpp>
 
 namespace mpmpbd {
