@@ -1,6 +1,7 @@
 // The tissue surface as a part of a scene: sheet, markers, channels, events.
 #pragma once
 
+#include <mpmpbd/core/role.hpp>
 #include <mpmpbd/surface/needle_surface.hpp>
 #include <mpmpbd/surface/sheet_mesh.hpp>
 
