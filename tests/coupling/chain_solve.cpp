@@ -91,11 +91,14 @@ TEMPLATE_TEST_CASE_SIG("a chain solve equals the dense solve", "[coupling][chain
       ChainOptions o;
       o.ends = ends;
       o.inextensible = inextensible;
-      check<double, bends>(o, 1e-9, 1e-5);  // light beads, some in no contact: ill-conditioned
+      // A residual allows velocities to be off by as much times the spread of the masses. (The states
+      // drawn differ between compilers, which evaluate arguments in different orders.)
+      auto const spread = [&o] { return o.mass_high / o.mass_low; };
+      check<double, bends>(o, 1e-9, 1e-9 * spread());  // light beads, some in no contact
       o.mass_low = 1e-1;
-      check<double, bends>(o, 1e-12, 1e-9);
+      check<double, bends>(o, 1e-12, 1e-12 * spread());
       o.beads = 3;
-      check<double, bends>(o, 1e-12, 1e-9);
+      check<double, bends>(o, 1e-12, 1e-12 * spread());
     }
 }
 
