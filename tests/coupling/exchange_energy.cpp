@@ -1,4 +1,5 @@
 // Energy, momentum and order: what one exchange must keep, whatever the state.
+// seconds: 80
 #include "catch.hpp"
 
 #include <cstdlib>
