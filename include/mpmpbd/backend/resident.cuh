@@ -3,6 +3,9 @@
 //
 // Stages are the scene's own; only how a grid adds and reads is said here. Sums are 32-bit fixed point
 // (shared float atomics are compare-and-swap loops on sm_90, and their order is not repeatable).
+//
+// Limits: float; no FLIP (a row has no add_previous); the caller gives dt and the number of substeps, and
+// holds particles that were set from outside inside the domain.
 #pragma once
 
 #include <mpmpbd/core/table.hpp>

@@ -52,8 +52,8 @@ template <class T, class Shape> struct Stencil {
   }
 };
 
-// The part of the domain in which a point has all its nodes, kept half a cell clear of the border so
-// that rounding never leaves it: [low, high] in cells, per axis.
+// The part of the domain in which a point has all its nodes, kept a hundredth of a cell clear of its
+// border so that rounding never leaves it: [low, high] in cells, per axis.
 template <class Shape, class T> MPMPBD_HD T lowest_cell() { return T(Shape::offset) + T(0.01); }
 template <class Shape, class T> MPMPBD_HD T highest_cell(int nodes) {
   return T(nodes - Shape::width) + T(Shape::offset) + T(0.99);
