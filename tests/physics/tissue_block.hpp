@@ -1,8 +1,9 @@
 // A block of soft tissue for the coupling tests: explicit MLS-APIC with quadratic B-splines and a
 // neo-Hookean solid, written out by hand so that these tests do not depend on the scene machinery.
 //
-// Units: cell, density and shear modulus are 1, so a time of 190 is 0.1 s and a force of 1 is 3.6 mN for
-// cells of 1 mm and mu = 3.6 kPa.
+// Units: cell, density and shear modulus are 1 unless a test sets them, so a time of 190 is 0.1 s and a
+// force of 1 is 3.6 mN for cells of 1 mm and mu = 3.6 kPa. A test with numbers of its own sets `dx` to the
+// cell of its rig.
 #pragma once
 
 #include <functional>
@@ -20,6 +21,7 @@ template <class T> struct Tissue {
   std::vector<Particle> particles;
   std::vector<char> fixed;  // nodes held by a sticky wall
   T dt = T(0.1), mu = 1, lambda = 2, damping = 0;
+  T dx = 1, density = 1;
 
   using Q = mpmpbd::QuadraticBSpline;
   static constexpr int width = 3;
@@ -27,7 +29,7 @@ template <class T> struct Tissue {
     int base[3];
     T w[3][3], d[3][3];
   };
-  static Near near(Vec3<T> const& x) {
+  static Near near(Vec3<T> const& x) {  // in cells
     Near s;
     for (int a = 0; a < 3; ++a) {
       T const first = mpmpbd::floor(x[a] - T(0.5)), f = x[a] - first;
@@ -56,14 +58,16 @@ template <class T> struct Tissue {
             std::function<bool(Vec3<double>)> const& inside = nullptr) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> U(-1, 1);
-    for (double x = low[0] + 0.25; x < high[0]; x += 0.5)
-      for (double y = low[1] + 0.25; y < high[1]; y += 0.5)
-        for (double z = low[2] + 0.25; z < high[2]; z += 0.5) {
+    double const spacing = 0.5 * double(dx);
+    T const volume = T(0.125) * dx * dx * dx;
+    for (double x = low[0] + 0.5 * spacing; x < high[0]; x += spacing)
+      for (double y = low[1] + 0.5 * spacing; y < high[1]; y += spacing)
+        for (double z = low[2] + 0.5 * spacing; z < high[2]; z += spacing) {
           Vec3<double> p = mpmpbd::vec(x, y, z);
-          for (int a = 0; a < 3; ++a) p[a] += 0.25 * jitter * U(random);
+          for (int a = 0; a < 3; ++a) p[a] += 0.5 * spacing * jitter * U(random);
           if (inside && !inside(p)) continue;
           particles.push_back(
-              {mpmpbd::cast<T>(p), {}, {}, Mat3<T>::identity(), T(0.125), T(0.125)});
+              {mpmpbd::cast<T>(p), {}, {}, Mat3<T>::identity(), density * volume, volume});
         }
   }
 
@@ -75,9 +79,9 @@ template <class T> struct Tissue {
       T const log_J = mpmpbd::log(mpmpbd::determinant(p.F));
       Mat3<T> const tau =
           mu * (p.F * mpmpbd::transpose(p.F)) + (lambda * log_J - mu) * Mat3<T>::identity();
-      Mat3<T> const A = p.m * p.C - (4 * dt * p.volume) * tau;
+      Mat3<T> const A = (p.m * dx) * p.C - (4 * dt * p.volume / dx) * tau;
       Vec3<T> const mv = p.m * p.v;
-      each_node(near(p.x), r.lattice.nodes[0], r.lattice.nodes[1],
+      each_node(near(1 / dx * p.x), r.lattice.nodes[0], r.lattice.nodes[1],
                 [&](std::size_t i, T w, Vec3<T> const& d) {
                   r.mass[i] += w * p.m;
                   r.velocity[i] += w * (mv + A * d);
@@ -90,14 +94,15 @@ template <class T> struct Tissue {
     }
   }
   template <class R> void gather(R const& r) {
+    T const slope = 4 / dx;
     for (auto& p : particles) {
       p.v = {};
       p.C = {};
-      each_node(near(p.x), r.lattice.nodes[0], r.lattice.nodes[1],
+      each_node(near(1 / dx * p.x), r.lattice.nodes[0], r.lattice.nodes[1],
                 [&](std::size_t i, T w, Vec3<T> const& d) {
                   Vec3<T> const u = w * r.velocity[i];
                   p.v += u;
-                  p.C += mpmpbd::outer(T(4) * u, d);
+                  p.C += mpmpbd::outer(slope * u, d);
                 });
       p.x += dt * p.v;
       p.F = p.F + dt * (p.C * p.F);
@@ -106,7 +111,7 @@ template <class T> struct Tissue {
   // The tissue's velocity at a point of it: tracers follow the flow.
   template <class R> static Vec3<T> velocity_at(R const& r, Vec3<T> const& x) {
     Vec3<T> u{};
-    each_node(near(x), r.lattice.nodes[0], r.lattice.nodes[1],
+    each_node(near(r.lattice.inverse_dx * x), r.lattice.nodes[0], r.lattice.nodes[1],
               [&](std::size_t i, T w, Vec3<T> const&) { u += w * r.velocity[i]; });
     return u;
   }
@@ -117,7 +122,7 @@ template <class T> struct Tissue {
       e += double(p.volume) * (0.5 * double(mu) * (double(mpmpbd::dot(p.F, p.F)) - 3) -
                                double(mu) * log_J + 0.5 * double(lambda) * log_J * log_J);
       e += 0.5 * double(p.m) *
-           (double(mpmpbd::dot(p.v, p.v)) + 0.25 * double(mpmpbd::dot(p.C, p.C)));
+           (double(mpmpbd::dot(p.v, p.v)) + 0.25 * double(dx * dx * mpmpbd::dot(p.C, p.C)));
     }
     return e;
   }
