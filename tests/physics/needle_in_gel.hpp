@@ -60,14 +60,16 @@ Simulation<S, Serial, T> gel_scene(GelBlock const& b, Arc<double> const& arc) {
                                              {ContactPoints::name.view(), contacts}},
                                 .substeps = b.substeps});
   run.template set<NeoHookean>(lame(gel_modulus, gel_poisson));
-  run.template set<Damping>({b.damping});
+  if constexpr (contains<typename S::StateFields, ParametersField<Damping>>)
+    run.template set<Damping>({b.damping});
   Walls<Sticky>::Parameters<double> walls{};
   for (int a = 0; a < 3; ++a) {
     walls.low[a] = gel_cell * b.held_low[a];
     walls.high[a] = gel_cell * b.held_high[a];
   }
   run.template set<Walls<Sticky>>(walls);
-  run.template set<ArcNeedle>({arc.radius, arc.angle, arc.wire_radius, arc.taper, 0.0, 0.0});
+  if constexpr (!S::Needle::is_dynamic)
+    run.template set<ArcNeedle>({arc.radius, arc.angle, arc.wire_radius, arc.taper, 0.0, 0.0});
   auto const points = b.positions();
   for (int e = 0; e < b.environments; ++e) {
     run.add_particles(e, points, gel_density, gel_cell * gel_cell * gel_cell / 8);
