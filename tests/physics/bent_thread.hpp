@@ -4,23 +4,35 @@
 #pragma once
 
 #include "physics/tissue_block.hpp"
+#include "physics/units.hpp"
 
 namespace test {
 
-enum class Scheme { embedded, cold_start, chord_tangents, contact_then_xpbd, dead_load };
+enum class Scheme {
+  embedded,
+  cold_start,
+  chord_tangents,
+  contact_then_xpbd,
+  position_bias,
+  dead_load
+};
 
+// All numbers in Units of the tissue; bead masses in those of a full grid node.
 struct BentCase {
   double tension = 4, bead_mass = 1e-4, dt = 0.1, friction = 0, end = 1900;
   double stiffness = 1000;  // EA
   Scheme scheme = Scheme::embedded;
   int segments = 16;
-  double pull =
-      0;  // speed at which the first end is drawn out after t = 100; then `tension` acts on the other
+  // Speed at which the first end is drawn out after t = 100; then `tension` acts on the other alone.
+  double pull = 0;
+  double lambda = 2;                      // of the tissue
+  double radius = 0, clamp_pressure = 0;  // of the thread, and how the tissue grips it
+  Units unit{};
 };
 
 struct BentResult {
   double slip_early = 0, slip_end = 0,
-         slip_most = 0;         // largest distance of tissue tracers from the thread
+         slip_most = 0;         // largest distance of tissue tracers from the thread [cells]
   double tissue = 0;            // mean displacement of the bend along its bisector
   double stretch = 0;           // largest strain after t = 100
   double energy_rise = 0;       // above its running minimum, relative
@@ -41,46 +53,65 @@ inline constexpr double bent_length = 10 + mpmpbd::pi<double>;
 
 template <class T, class Form> struct BentThread {
   BentCase c;
-  Rig<T, Form> rig{19, 19, 12};
+  Units const& u = c.unit;
+  T const cell = T(u.length);
+  Rig<T, Form> rig{19, 19, 12, cell};
   Tissue<T> tissue;
   std::vector<Vec3<T>> tracer, tracer0;
   std::vector<char> in_bend;
   std::vector<Vec3<T>> start;
-  double time = 0, lowest = 1e300;
+  std::vector<Vec3<T>> drift;  // of the tissue from each point of the thread, for the position bias
+  double time = 0, lowest = 1e300;  // [units]
   BentResult result;
   long samples = 0;
 
   explicit BentThread(BentCase const& c_) : c(c_) {
-    tissue.dt = rig.dt = rig.previous_dt = T(c.dt);
-    tissue.fill(mpmpbd::vec(7.0, 7.0, 3.0), mpmpbd::vec(15.0, 15.0, 8.0), 0.4);
+    fill_tissue();
+    add_thread();
+    for (int i = 0; i <= 60; ++i) {
+      double const s = bent_length * i / 60;
+      Vec3<double> const p = bent_path(s);
+      if (p[0] < 8.5 || p[1] < 8.5) continue;
+      tracer.push_back(nearest(mpmpbd::cast<T>(u.length * p)));
+      in_bend.push_back(s > 5 && s < bent_length - 5);
+    }
+    tracer0 = tracer;
+  }
+  void fill_tissue() {
+    tissue.dx = cell;
+    tissue.density = rig.rest_density = T(u.density);
+    tissue.mu = T(u.modulus);
+    tissue.lambda = T(c.lambda * u.modulus);
+    tissue.dt = rig.dt = rig.previous_dt = T(c.dt * u.time());
+    tissue.fill(u.length * mpmpbd::vec(7.0, 7.0, 3.0), u.length * mpmpbd::vec(15.0, 15.0, 8.0),
+                0.4);
     tissue.fixed.assign(rig.mass.size(), 0);
     for (int k = 0, i = 0; k < 12; ++k)
       for (int b = 0; b < 19; ++b)
         for (int a = 0; a < 19; ++a, ++i)
           tissue.fixed[std::size_t(i)] = k <= 3 || k >= 8 || a >= 15 || b >= 15;
+  }
+  void add_thread() {
     for (int k = 0; k <= c.segments; ++k)
-      rig.add_bead(mpmpbd::cast<T>(bent_path(bent_length * k / c.segments)), T(c.bead_mass));
+      rig.add_bead(mpmpbd::cast<T>(u.length * bent_path(bent_length * k / c.segments)),
+                   T(c.bead_mass * u.mass()));
     rig.allocate();
-    rig.stretch_compliance = T(1 / c.stiffness);
+    for (auto& p : rig.points) p.radius = T(c.radius * u.length);
+    rig.stretch_compliance = T(1 / (c.stiffness * u.force()));
     if (c.scheme == Scheme::contact_then_xpbd) rig.stretch_compliance = T(1e12);
-    if constexpr (Form::FrictionLaw::grips) rig.friction = {T(c.friction), T(0)};
+    if constexpr (Form::FrictionLaw::grips)
+      rig.friction = {T(c.friction), T(c.clamp_pressure * u.modulus)};
     start = rig.bead;
-    for (int i = 0; i <= 60; ++i) {
-      double const s = bent_length * i / 60;
-      auto const p = mpmpbd::cast<T>(bent_path(s));
-      if (p[0] < T(8.5) || p[1] < T(8.5)) continue;
-      tracer.push_back(nearest(p));
-      in_bend.push_back(s > 5 && s < bent_length - 5);
-    }
-    tracer0 = tracer;
+    drift.assign(rig.points.size(), Vec3<T>{});
   }
   Vec3<T> nearest(Vec3<T> const& p) const {
     Vec3<T> best{};
     T far = T(1e9);
     for (std::size_t k = 0; k + 1 < rig.bead.size(); ++k) {
       Vec3<T> const d = rig.bead[k + 1] - rig.bead[k];
-      T const u = mpmpbd::clamp(mpmpbd::dot(p - rig.bead[k], d) / mpmpbd::dot(d, d), T(0), T(1));
-      Vec3<T> const q = rig.bead[k] + u * d;
+      T const share =
+          mpmpbd::clamp(mpmpbd::dot(p - rig.bead[k], d) / mpmpbd::dot(d, d), T(0), T(1));
+      Vec3<T> const q = rig.bead[k] + share * d;
       if (mpmpbd::norm(p - q) < far) far = mpmpbd::norm(p - q), best = q;
     }
     return best;
@@ -88,25 +119,29 @@ template <class T, class Form> struct BentThread {
   double slip() const {
     double most = 0;
     for (auto const& p : tracer) most = std::max(most, double(mpmpbd::norm(p - nearest(p))));
-    return most;
+    return most / u.length;
   }
   double energy() const {
     double e = tissue.energy();
     for (std::size_t k = 0; k < rig.bead.size(); ++k) {
-      e += 0.5 * c.bead_mass * double(mpmpbd::dot(rig.bead_velocity[k], rig.bead_velocity[k]));
+      e += 0.5 * double(rig.bead_mass[k]) *
+           double(mpmpbd::dot(rig.bead_velocity[k], rig.bead_velocity[k]));
       if (k + 1 == rig.bead.size()) break;
       double const more = double(mpmpbd::norm(rig.bead[k + 1] - rig.bead[k]) - rig.rest_length[k]);
-      e += 0.5 * c.stiffness / double(rig.rest_length[k]) * more * more;
+      e += 0.5 * c.stiffness * u.force() / double(rig.rest_length[k]) * more * more;
     }
-    return e + c.tension * double(rig.bead.front()[0] - start.front()[0] + rig.bead.back()[1] -
-                                  start.back()[1]);
+    return e + c.tension * u.force() *
+                   double(rig.bead.front()[0] - start.front()[0] + rig.bead.back()[1] -
+                          start.back()[1]);
   }
 
+  double tension_now() const { return c.tension * u.force() * std::min(1.0, time / 40); }  // [N]
   void load_ends() {
-    T const pull = T(c.tension * std::min(1.0, time / 40) * c.dt / c.bead_mass);
+    T const pull = T(tension_now()) * rig.dt / rig.bead_mass.front();
     if (c.pull > 0) {
       rig.known.front() = 1;
-      rig.bead_velocity.front() = time > 100 ? mpmpbd::vec(T(-c.pull), T(0), T(0)) : Vec3<T>{};
+      rig.bead_velocity.front() =
+          time > 100 ? mpmpbd::vec(T(-c.pull * u.speed()), T(0), T(0)) : Vec3<T>{};
     } else {
       rig.bead_velocity.front()[0] -= pull;
     }
@@ -123,35 +158,63 @@ template <class T, class Form> struct BentThread {
       p.contact = p.coverage >= T(0.25) ? Contact::member : Contact::off;
       if (c.scheme == Scheme::cold_start) p.impulse = {};
     }
-    result.ran_away |= mpmpbd::exchange(team, x, rig.nodes()) != 0;
+    result.ran_away |= c.scheme == Scheme::position_bias
+                           ? !biased_exchange(x)
+                           : mpmpbd::exchange(team, x, rig.nodes()) != 0;
     if (c.scheme == Scheme::contact_then_xpbd) stretch_afterwards();
+  }
+  // A position error of the contact, fed back as a velocity in every sweep: what makes contact solvers
+  // without memory hold. With a warm start the impulses remember it too.
+  template <class View> bool biased_exchange(View const& x) {
+    auto const nodes = rig.nodes();
+    mpmpbd::Solo const team;
+    mpmpbd::detail::Exchange e(team, x, nodes);
+    e.begin();
+    e.warm_start();
+    for (int i = 0; i < 2; ++i) {
+      e.observe();
+      for (std::size_t q = 0; q < drift.size(); ++q) x.work[q].u += bias(q);
+      e.sweep(i == 0);
+    }
+    if (x.scratch->failed != 0) return false;
+    e.finish();
+    e.observe();
+    for (std::size_t q = 0; q < drift.size(); ++q) {
+      auto const slip = x.work[q].u - e.body_velocity(int(q));
+      drift[q] = x.on[q] ? drift[q] + rig.dt * slip : Vec3<T>{};
+      drift[q] -= mpmpbd::dot(drift[q], x.points[q].axis) * x.points[q].axis;
+    }
+    return true;
+  }
+  Vec3<T> bias(std::size_t q) const {
+    Vec3<T> const v = T(0.2) / rig.dt * drift[q];
+    return mpmpbd::min(T(1), T(0.05 * u.speed()) / (mpmpbd::norm(v) + T(1e-30))) * v;
   }
   // The obvious order that fails: contact on velocities, then XPBD moves the beads.
   void stretch_afterwards() {
     auto old = rig.bead;
     std::vector<double> lambda(rig.bead.size(), 0.0);
     for (std::size_t k = 0; k < old.size(); ++k) old[k] -= rig.dt * rig.bead_velocity[k];
-    double const w = 1 / c.bead_mass;
+    double const w = 1 / double(rig.bead_mass.front()), dt = double(rig.dt);
     for (int iteration = 0; iteration < 20; ++iteration)
       for (std::size_t k = 0; k + 1 < old.size(); ++k) {
         Vec3<T> const d = rig.bead[k + 1] - rig.bead[k];
         double const l = double(mpmpbd::norm(d));
-        double const soft = double(rig.rest_length[k]) / (c.stiffness * c.dt * c.dt);
+        double const soft = double(rig.rest_length[k]) / (c.stiffness * u.force() * dt * dt);
         double const step = (-(l - double(rig.rest_length[k])) - soft * lambda[k]) / (2 * w + soft);
         lambda[k] += step;
         rig.bead[k] -= T(w * step / l) * d;
         rig.bead[k + 1] += T(w * step / l) * d;
       }
     for (std::size_t k = 0; k < old.size(); ++k)
-      rig.bead_velocity[k] = T(1 / c.dt) * (rig.bead[k] - old[k]);
+      rig.bead_velocity[k] = T(1 / dt) * (rig.bead[k] - old[k]);
   }
 
   // No thread at all: the forces of a line under tension T, T (t_k - t_{k-1}), laid on the tissue itself.
   void push_tissue() {
-    double const T_now = c.tension * std::min(1.0, time / 40);
     std::vector<Vec3<T>> f(rig.bead.size());
     for (std::size_t k = 0; k + 1 < rig.bead.size(); ++k) {
-      Vec3<T> const pull = T(T_now) * mpmpbd::direction(rig.bead[k + 1] - rig.bead[k]);
+      Vec3<T> const pull = T(tension_now()) * mpmpbd::direction(rig.bead[k + 1] - rig.bead[k]);
       f[k] += pull;
       f[k + 1] -= pull;
     }
@@ -161,7 +224,7 @@ template <class T, class Form> struct BentThread {
       bool const end = k == 0 || k + 1 == rig.bead.size();
       T const mass = mpmpbd::embedding_weights<mpmpbd::QuadraticBSpline>(rig.lattice, rig.bead[k],
                                                                          rig.nodes(), w, node);
-      for (std::size_t a = 0; a < 27 && !end && mass >= T(0.25); ++a) {
+      for (std::size_t a = 0; a < 27 && !end && mass >= T(0.25 * u.mass()); ++a) {
         auto const i = std::size_t(node[a]);
         rig.velocity[i] += rig.dt * w[a] * rig.inverse_mass[i][0] * f[k];
       }
@@ -172,7 +235,7 @@ template <class T, class Form> struct BentThread {
   BentResult run() {
     long steps = 0;
     while (time < c.end && !result.ran_away) {
-      tissue.damping = time < 100 ? T(0.1) : T(0);
+      tissue.damping = time < 100 ? T(0.1 / u.time()) : T(0);
       tissue.scatter(rig);
       if (c.scheme == Scheme::dead_load) {
         push_tissue();
@@ -193,15 +256,17 @@ template <class T, class Form> struct BentThread {
             double(tracer0[i][0] - tracer[i][0] + tracer0[i][1] - tracer[i][1]) * std::sqrt(0.5);
         ++bend;
       }
-    result.tissue /= bend;
+    result.tissue /= bend * u.length;
     result.pulled /= double(std::max(samples, 1L));
     result.held /= double(std::max(samples, 1L));
     return result;
   }
   void sample() {
-    for (auto const& p : rig.bead)
-      result.ran_away |= !(p[0] > T(1.6) && p[0] < T(16) && p[1] > T(1.6) && p[1] < T(16) &&
-                           p[2] > T(1.6) && p[2] < T(10));
+    for (auto const& x : rig.bead) {
+      Vec3<double> const p = 1 / u.length * mpmpbd::cast<double>(x);
+      result.ran_away |=
+          !(p[0] > 1.6 && p[0] < 16 && p[1] > 1.6 && p[1] < 16 && p[2] > 1.6 && p[2] < 10);
+    }
     double const s = slip();
     result.ran_away |= !(s < 3);
     if (result.ran_away) return;
@@ -218,8 +283,9 @@ template <class T, class Form> struct BentThread {
             result.stretch,
             std::abs(double(mpmpbd::norm(rig.bead[k + 1] - rig.bead[k]) / rig.rest_length[k]) - 1));
     if (time > 0.7 * c.end) {
-      result.pulled += double(rig.impulse.front()) / c.dt;
-      result.held += double(rig.impulse[rig.bead.size() - 2]) / c.dt;
+      double const per_step = double(rig.dt) * u.force();
+      result.pulled += double(rig.impulse.front()) / per_step;
+      result.held += double(rig.impulse[rig.bead.size() - 2]) / per_step;
       ++samples;
     }
   }

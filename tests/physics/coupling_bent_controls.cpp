@@ -1,4 +1,4 @@
-// The obvious ways to hold a taut bent thread, which fail, and the pull round the bend.
+// The obvious ways to hold a taut bent thread, or to draw it round its bend, which fail.
 // seconds: 90
 #include "physics/bent_thread_checks.hpp"
 
@@ -21,16 +21,10 @@ TEST_CASE("without a warm start a loaded thread creeps", "[coupling][T90][contro
   CHECK(r.slip_end - r.slip_early > 0.005);
 }
 
-TEST_CASE("a thread runs freely round a bend", "[coupling][capstan]") {
-  BentCase c{.tension = 1, .bead_mass = 1e-2, .end = 380, .pull = 0.01};
+TEST_CASE("chords as tangents lock a thread in its bend", "[coupling][capstan][control]") {
+  BentCase const c{
+      .tension = 1, .bead_mass = 1e-2, .end = 280, .scheme = Scheme::chord_tangents, .pull = 0.01};
   BentResult const r = BentThread<double, Slippery>(c).run();
   CAPTURE(r.pulled, r.held);
-  CHECK_FALSE(r.ran_away);
-  CHECK(std::abs(r.pulled / r.held - 1) < 0.01);
-  CHECK(std::abs(r.held - 1) < 0.01);
-
-  c.scheme = Scheme::chord_tangents;  // control: chords as tangents lock it
-  BentResult const locked = BentThread<double, Slippery>(c).run();
-  CAPTURE(locked.pulled, locked.held);
-  CHECK(locked.pulled / locked.held > 1.5);
+  CHECK(r.pulled / r.held > 1.5);
 }

@@ -113,6 +113,22 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
     return p.contact == Contact::surface ? sideways(p, a) : dot(p.axis, a) * p.axis;
   }
 
+  // The hold to try after a sweep that ended with `hold`, and the friction if it is to slide on: that of
+  // the impulse which the point carries by now.
+  MPMPBD_HD Hold resumes(ContactPoint<T> const& p, Hold hold, Vec3<T> const& carried,
+                         Vec3<T>& slip_impulse) const {
+    slip_impulse = {};
+    if constexpr (grips) {
+      Vec3<T> const along = slip_part(p, carried);
+      T const size = norm(along);
+      if (hold == Hold::slide && size > T(0)) {
+        slip_impulse = friction_cap(p, carried) / size * along;
+        return Hold::slide;
+      }
+    }
+    return first_hold;
+  }
+
   // After a trial that would leave the point with `total`: does it let go? Returns its new hold and, if
   // it slides, its friction.
   MPMPBD_HD Hold yields(ContactPoint<T> const& p, Hold hold, Vec3<T> const& total,

@@ -462,16 +462,20 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     return one_sided(q) && next == w.hold ? yields(q) : next;
   }
 
-  MPMPBD_HD void sweep() const {
-    observe();
+  // After observe(). The first sweep tries every point in stick; the second goes on with what the first
+  // found, at the friction of the lateral load it left. The load of the stick trial itself is not that
+  // load: in a bend, points that hold a moving thread along also press it aside, by about v m / dt.
+  MPMPBD_HD void sweep(bool first) const {
     team.each(x.count(), [&](int q) {
-      x.work[q].hold = Law::first_hold;
-      x.work[q].slip_impulse = {};
+      PointWork<T>& w = x.work[q];
+      Hold const before = first ? Law::first_hold : w.hold;
+      w.hold = law.resumes(x.points[q], before, w.J, w.slip_impulse);
     });
     team.sync();
     pass();
-    if (revise(Revision::yield)) {
-      pass();
+    bool const yielded = revise(Revision::yield);
+    if (yielded) pass();
+    if (yielded || (Law::grips && !first)) {
       bool changed = revise(Revision::reconsider);
       for (int release = 0; changed && release < most_releases; ++release) {
         pass();
@@ -554,7 +558,10 @@ MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const&
   detail::Exchange<Team_, T, Form, Nodes> const e(team, x, nodes);
   std::uint32_t const faults = e.begin();
   e.warm_start();
-  for (int i = 0; i < sweeps; ++i) e.sweep();
+  for (int i = 0; i < sweeps; ++i) {
+    e.observe();
+    e.sweep(i == 0);
+  }
   e.guard_energy();
   if (x.scratch->failed != 0) return faults | static_cast<std::uint32_t>(Fault::solver);
   e.finish();
