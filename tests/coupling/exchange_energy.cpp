@@ -19,27 +19,6 @@ using RoughDragged = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::Drag, fal
 using Bending = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, true>;
 using Dragged = mpmpbd::EmbeddedForm<Q, mpmpbd::NoFriction, mpmpbd::Drag, true>;
 
-// The stretch and bending part of E_c, before (from the shape) and after (from the solution).
-template <class T, class Form>
-double thread_energy(Rig<T, Form>& r, bool after, std::vector<mpmpbd::Joint<T>> const& joints) {
-  auto x = r.view();
-  double e = 0;
-  for (int k = 0; k + 1 < r.beads(); ++k) {
-    double const c = double(x.thread_work.links[k].compliance),
-                 g = double(x.thread_work.gap_speed[k]);
-    double const lambda = double(x.thread_work.trial_impulse[k]);
-    if (c > 0) e += after ? 0.5 * c * lambda * lambda : 0.5 * g * g / c;
-  }
-  for (std::size_t k = 0; k < joints.size(); ++k) {
-    double angle = double(joints[k].excess);
-    if (after && joints[k].stiffness > 0)
-      for (std::size_t a = 0; a < 3; ++a)
-        angle += double(r.dt * dot(joints[k].in_plane[a], r.bead_velocity[k - 1 + a]));
-    e += 0.5 * double(joints[k].stiffness) * angle * angle;
-  }
-  return e;
-}
-
 struct Gain {
   double worst = -1;
   int raised = 0, slid = 0, opened = 0;

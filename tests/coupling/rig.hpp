@@ -163,4 +163,26 @@ template <class T, class Form> double kinetic_energy(Rig<T, Form> const& r) {
   return e;
 }
 
+// Its stretch and bending, before (from the shape: after place_thread_points) and after (from the solution).
+template <class T, class Form>
+double thread_energy(Rig<T, Form>& r, bool after,
+                     std::vector<mpmpbd::Joint<T>> const& joints = {}) {
+  auto x = r.view();
+  double e = 0;
+  for (int k = 0; k + 1 < r.beads(); ++k) {
+    double const c = double(x.thread_work.links[k].compliance),
+                 g = double(x.thread_work.gap_speed[k]);
+    double const lambda = double(x.thread_work.trial_impulse[k]);
+    if (c > 0) e += after ? 0.5 * c * lambda * lambda : 0.5 * g * g / c;
+  }
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    double angle = double(joints[k].excess);
+    if (after && joints[k].stiffness > 0)
+      for (std::size_t a = 0; a < 3; ++a)
+        angle += double(r.dt * mpmpbd::dot(joints[k].in_plane[a], r.bead_velocity[k - 1 + a]));
+    e += 0.5 * double(joints[k].stiffness) * angle * angle;
+  }
+  return e;
+}
+
 }  // namespace test
