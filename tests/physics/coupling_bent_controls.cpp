@@ -28,3 +28,21 @@ TEST_CASE("chords as tangents lock a thread in its bend", "[coupling][capstan][c
   CAPTURE(r.pulled, r.held);
   CHECK(r.pulled / r.held > 1.5);
 }
+
+TEST_CASE("position bias pumps up the impulses of a warm start",
+          "[coupling][T90][capstan][control]") {
+  BentCase held{.tension = 4, .end = 200, .scheme = Scheme::position_bias};
+  for (double mass : {1e-4, 1.0}) {
+    held.bead_mass = mass;
+    BentResult const r = run_bent<double>(held);
+    CAPTURE(mass, r.energy_rise);
+    CHECK(r.energy_rise > 0.005);
+  }
+  BentResult const r = run_bent<double>({.bead_mass = 1e-2,
+                                         .friction = 0.2,
+                                         .end = 280,
+                                         .scheme = Scheme::position_bias,
+                                         .pull = 0.01});
+  CAPTURE(r.pulled, r.held);  // 5.5 is right
+  CHECK(std::log(r.pulled / r.held) / 0.2 > 1.8);
+}
