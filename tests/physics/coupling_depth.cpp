@@ -38,18 +38,13 @@ struct Stroke {
     b.damping = 0.3 / gel_time();
     return b;
   }
-  // A straight needle is an arc of 1000 times its length in radius: its ends are 1/8000 of it beside a line.
-  static Arc<double> needle() {
-    double const length = gel_cell * (deepest + 4);
-    return {1e3 * length, 1e-3, wire, 0.0};
-  }
-  Stroke() : arc(needle()), run(gel_scene<NeedleInGel<Friction, Drag>, double>(block(), arc)) {
+  Stroke()
+      : arc(straight_needle(gel_cell * (deepest + 4), wire)),
+        run(gel_scene<NeedleInGel<Friction, Drag>, double>(block(), arc)) {
     run.set<Friction>({friction, pressure});
     run.set<Drag>({drag});
-    auto const down =
-        quaternion::from_axes(vec(1.0, 0.0, 0.0), vec(0.0, 0.0, -1.0), vec(0.0, 1.0, 0.0));
     auto const tip = gel_cell * vec(7.13, 6.79, block().high[2] + clear);
-    place_needle(run, 0, {tip - vec(arc.radius, 0.0, 0.0), down});
+    place_needle(run, 0, straight_pose(arc, tip, vec(0.0, 0.0, -1.0), vec(1.0, 0.0, 0.0)));
   }
   double velocity() const { return speed * gel_shear_speed(); }
   double per_length() const {

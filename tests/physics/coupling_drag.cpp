@@ -21,15 +21,13 @@ double remaining(double tau, double dt, int steps) {
   GelBlock block{.high = {9, 9, 15}, .substeps = 1};
   for (int a = 0; a < 3; ++a) block.held_low[a] = 100;
   double const length = 6.3 * gel_cell;
-  Arc<double> const straight{1e3 * length, 1e-3, wire, 0.0};
+  auto const straight = straight_needle(length, wire);
   auto run = gel_scene<FreeNeedle, double>(block, straight);
   run.set<FreeArcNeedle>(
       {straight.radius, straight.angle, straight.wire_radius, straight.taper, 0.0, 0.0, density});
   run.set<Drag>({density * pi<double> * wire * wire / tau});
-  auto const down =
-      quaternion::from_axes(vec(1.0, 0.0, 0.0), vec(0.0, 0.0, -1.0), vec(0.0, 1.0, 0.0));
   auto const tip = gel_cell * vec(6.13, 5.79, 5.4);
-  place_needle(run, 0, {tip - vec(straight.radius, 0.0, 0.0), down});
+  place_needle(run, 0, straight_pose(straight, tip, vec(0.0, 0.0, -1.0), vec(1.0, 0.0, 0.0)));
   drive_needle(run, 0, vec(0.0, 0.0, -start), {});
   for (int i = 0; i < steps; ++i) run.step(dt);
   auto const view = run.state().view<Needles>();
