@@ -1,15 +1,15 @@
-// The constraint of docs/concepts/constraint.md, and wrong ones that the law suite has to catch.
+// The code of docs/tutorials/write_a_constraint.md, and wrong constraints that the law suite has to catch.
 #include "catch.hpp"
 #include "pbd/rig.hpp"
+#include "shown.hpp"
 
-#include <fstream>
-#include <sstream>
-
-#include <mpmpbd/testing/constraint_laws.hpp>
-
-// [doc: constraint]
+#include <mpmpbd/backend/serial.hpp>
+#include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/pbd/body.hpp>
 #include <mpmpbd/pbd/constraints/distance.hpp>
+#include <mpmpbd/scene/plan.hpp>
+#include <mpmpbd/scene/simulation.hpp>
+#include <mpmpbd/testing/constraint_laws.hpp>
 
 // A tether: two beads may come closer than `longest`, but not drift farther apart.
 struct Tether {
@@ -40,20 +40,11 @@ struct Tether {
 };
 
 struct Suture : mpmpbd::Pbd<mpmpbd::Constraints<mpmpbd::Distance, Tether>, mpmpbd::Xpbd<8>> {};
-// [end]
+struct Tethered : mpmpbd::Scene<Suture, mpmpbd::Gravity> {};
 
 using namespace rods;
 
 namespace {
-// A line of the page, without the blanks around it.
-std::string slurp(std::string const& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-std::string here() { return __FILE__; }
-
 // Distance with a mistake.
 template <int mistake> struct Wrong : Distance {
   template <class T> using Parameters = Distance::Parameters<T>;
@@ -79,32 +70,39 @@ template <int mistake> bool caught(std::string const& law) {
 }
 }  // namespace
 
-TEST_CASE("the constraint of the page keeps the laws and works", "[constraint][doc]") {
+TEST_CASE("a tether keeps the laws of a constraint", "[constraint][tutorial]") {
   for (auto const& law : constraint_laws<Tether, double>({7e-3, 2e-4}, 20e-3)) {
     INFO(law.text());
     CHECK(law.holds());
   }
-  RodAssembly<Suture> rod;
-  for (int i = 0; i < 2; ++i) rod.add_bead({{0.0, 0.0, -0.004 * i}}, 0.002);
-  rod.prescribe(0);
-  rod.add<Tether>({0, 1}, {0.01, 0.0});
-  Rig<Suture> rig(rod);
-  for (int s = 0; s < 20; ++s) rig.step(1e-3);
-  CHECK(rig.x(1)[2] == Approx(-0.004 - gravity * 1e-6 * 210));  // free fall while slack
-  for (int s = 0; s < 300; ++s) rig.step(1e-3);
-  CHECK(rig.x(1)[2] == Approx(-0.01));
-  CHECK(rig.store.get<instance<Tether>::Multiplier>(0, 0) == Approx(0.002 * gravity));
+  for (auto const& law : constraint_laws<Tether, float>({7e-3f, 2e-4f}, 20e-3)) {
+    INFO(law.text());
+    CHECK(law.holds());
+  }
 }
 
-TEST_CASE("the page shows the code that is compiled here", "[constraint][doc]") {
-  auto const source = slurp(here());
-  auto const from =
-      source.find("// [doc: constraint]\n") + std::string("// [doc: constraint]\n").size();
-  auto const code = source.substr(from, source.find("// [end]") - from);
-  auto const folder = here().substr(0, here().rfind("tests/"));
-  auto const page = slurp(folder + "docs/concepts/constraint.md");
-  REQUIRE(!page.empty());
-  CHECK(page.find(code) != std::string::npos);
+TEST_CASE("a tether lets a bead fall until it is taut, and then carries it",
+          "[constraint][tutorial]") {
+  RodAssembly<Suture> rod;
+  for (int i = 0; i < 2; ++i) rod.add_bead({{0.0, 0.0, -0.004 * i}}, 0.002);  // [m], [kg]
+  rod.prescribe(0);                                                           // held where it is
+  rod.add<Tether>({0, 1}, {0.01, 0.0});                                       // 10 mm, rigid
+
+  Simulation<Tethered, Serial, double> sim({.capacity = rod.capacity()});
+  rod.write(sim.state(), 0);
+  sim.set<Gravity>({{0.0, 0.0, -9.81}});
+  for (int s = 0; s < 20; ++s) sim.step(1e-3);
+  auto const z = [&] { return sim.state().get<bead::Position>(0, 1)[2]; };
+  CHECK(z() == Approx(-0.004 - 9.81e-6 * 210));  // free fall: h^2 g n (n + 1)/2
+
+  for (int s = 0; s < 300; ++s) sim.step(1e-3);
+  CHECK(z() == Approx(-0.01));
+  CHECK(sim.state().get<instance<Tether>::Multiplier>(0, 0) == Approx(0.002 * 9.81));  // [N]
+  CHECK(plan<Tethered>().find("Tether") != std::string::npos);
+}
+
+TEST_CASE("the tutorial shows this constraint", "[constraint][tutorial]") {
+  CHECK(blocks_not_in(__FILE__, "tutorials/write_a_constraint.md") == std::vector<std::string>{});
 }
 
 TEST_CASE("the law suite catches wrong constraints", "[constraint][laws]") {
