@@ -88,7 +88,7 @@ std::vector<Vec3<double>> points_of(Settings const& s, int per_edge) {
 
 bool fall(course::Run<Settings> const& run) {
   Settings const& s = run.settings;
-  int const per_edge = static_cast<int>(2 * s.edge / s.cell_size + 0.5);
+  auto const per_edge = static_cast<int>(std::lround(2 * s.edge / s.cell_size));
   auto const points = points_of(s, per_edge);
   auto const cells = [&](double length) { return static_cast<int>(length / s.cell_size) + 4; };
 

@@ -112,6 +112,7 @@ class ConfigReader {
       return a.at.document != b.at.document ? a.at.document < b.at.document : a.at.line < b.at.line;
     });
     std::vector<std::string> all;
+    all.reserve(sorted.size());
     for (auto const& one : sorted) all.push_back(place(one.at) + ": " + one.text);
     return all;
   }
