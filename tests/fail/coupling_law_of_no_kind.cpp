@@ -1,4 +1,4 @@
-// expect: mpmpbd Coupling<Strategy, laws...>: a law is a friction (grips) or a drag (drags), for example Coupling<Embedded, Friction, Drag>
+// expect: mpmpbd Coupling<Strategy, laws...>: a law is a friction (grips), a drag (drags) or a pressure (squeezes), for example Coupling<Embedded, Friction, Drag, TissuePressure>
 #include <mpmpbd/coupling/embedded.hpp>
 
 using namespace mpmpbd;

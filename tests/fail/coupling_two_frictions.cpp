@@ -1,4 +1,4 @@
-// expect: mpmpbd Coupling<Strategy, laws...>: two laws of the same kind given; keep one friction and one drag
+// expect: mpmpbd Coupling<Strategy, laws...>: two laws of the same kind given; keep one friction, one drag and one pressure
 #include <mpmpbd/coupling/embedded.hpp>
 
 using namespace mpmpbd;

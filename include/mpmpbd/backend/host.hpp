@@ -112,9 +112,9 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   void include_damping([[maybe_unused]] StepBounds<T>& b, [[maybe_unused]] P const& p,
                        TypeList<Es...>) const {
     [[maybe_unused]] auto const one = [&]<class E>(std::type_identity<E>) {
-      if constexpr (requires { E::damping(p, context_.template of<E>()); })
-        b.damping +=
-            E::damping(p, context_.template of<E>()) * p[particle::Volume{}] / p[particle::Mass{}];
+      if constexpr (requires { E::damping(p, context_.template of<parameter_owner_t<E>>()); })
+        b.damping += E::damping(p, context_.template of<parameter_owner_t<E>>()) *
+                     p[particle::Volume{}] / p[particle::Mass{}];
     };
     (one(std::type_identity<Es>{}), ...);
   }

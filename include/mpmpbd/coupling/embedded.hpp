@@ -2,9 +2,10 @@
 // so nothing leaks between grid offsets, whatever the radius; the thread's stretch and bending and its
 // contact are one direct solve, so a taut thread cannot cut through tissue.
 //
-// Limits: threads are chains of uniform material; one needle per environment; the tissue's own pressure does
-// not add to the clamp pressure of a channel. Angular momentum is exact for a slack thread; stored tension
-// and bending act across the thread implicitly, which costs about 1e-4 of it per exchange and less with dt.
+// Limits: threads are chains of uniform material; one needle per environment; the tissue's own pressure adds
+// to the clamp pressure of a channel only where the scene names TissuePressure. Angular momentum is exact
+// for a slack thread; stored tension and bending act across the thread implicitly, which costs about 1e-4 of
+// it per exchange and less with dt.
 #pragma once
 
 #include <mpmpbd/coupling/coupling.hpp>

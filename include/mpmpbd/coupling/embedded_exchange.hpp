@@ -47,6 +47,8 @@ template <class In> struct ExchangeImpulses {
   using Rods = typename In::Rods;
   using Needle = typename In::Needle;
   using Laws = typename In::Coupling;
+  using Pressure = typename Laws::PressureLaw;
+  using Shape = typename In::Body::Shape;
   using Forces = in_slot_t<Slot::before_solve, typename In::Effects>;
   using After = in_slot_t<Slot::after_solve, typename In::Effects>;
   using OfEffects = join_t<Forces, After>;
@@ -57,8 +59,7 @@ template <class In> struct ExchangeImpulses {
   static constexpr bool attaches = detail::has_constraint<Rods, Attachment>;
   static constexpr bool bends = detail::has_constraint<Rods, Bend>;
   static constexpr bool swaged = detail::has_constraint<Rods, Swage>;
-  using Form = EmbeddedForm<typename In::Body::Shape, typename Laws::FrictionLaw,
-                            typename Laws::DragLaw, bends>;
+  using Form = EmbeddedForm<Shape, typename Laws::FrictionLaw, typename Laws::DragLaw, bends>;
 
   template <bool there, class List> using if_t = std::conditional_t<there, List, Fields<>>;
   using BeadState = Fields<bead::Position, bead::Velocity, bead::InverseMass, bead::Impulse,
@@ -70,7 +71,7 @@ template <class In> struct ExchangeImpulses {
   using Reads =
       union_t<Fields<node::Velocity, node::Mass, particle::Mass, particle::Volume>,
               if_t<In::has_rods, BeadState>, typename InstancesOf<Rods, In::has_rods>::type,
-              typename detail::ReadsOf<OfEffects>::type>;
+              typename Pressure::Reads, typename detail::ReadsOf<OfEffects>::type>;
   using Writes =
       union_t<Fields<node::Velocity, contact::Impulse, contact::Covered>,
               if_t<In::has_rods, BeadState>,
@@ -98,8 +99,11 @@ template <class In> struct ExchangeImpulses {
   // Bytes of scratch for one environment.
   template <class Env, class Ctx>
   static std::size_t scratch_bytes(Env const& env, Ctx const& context) {
-    EmbeddedArrays<typename Ctx::Scalar, Form> a;
-    return a.cut(nullptr, counts(env, context));
+    using T = typename Ctx::Scalar;
+    EmbeddedArrays<T, Form> a;
+    BodyCounts const n = counts(env, context);
+    return a.cut(nullptr, n) + Pressure::template bytes<T, Shape>(n.exchange().points(),
+                                                                  env.template live<Particles>());
   }
 
   template <class Team_, class Env, class Ctx, class Grid>
@@ -109,7 +113,7 @@ template <class In> struct ExchangeImpulses {
     std::uint32_t faults = move_by_others(team, env, context);
     BodyCounts const n = counts(env, context);
     EmbeddedArrays<T, Form> a;
-    a.cut(grid.scratch, n);
+    std::size_t const used = a.cut(grid.scratch, n);
     auto x = view(env, context, grid, n, a);
     load_points(team, env, x);
     load_thread(team, env, context, x, a);
@@ -120,6 +124,7 @@ template <class In> struct ExchangeImpulses {
     place_attachments(team, env, x);
     embed_points(team, x, grid);
     faults |= settle_points(team, env, context, x, a, n);
+    Pressure::template gather<Shape>(team, env, x, static_cast<char*>(grid.scratch) + used);
     faults |= exchange(team, x, grid);
     store(team, env, context, x);
     if constexpr (In::has_rods) detail::apply_all_to_beads(After{}, team, env, context);

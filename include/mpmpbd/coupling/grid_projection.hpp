@@ -159,6 +159,10 @@ template <class In> struct ProjectNodes {
       "mpmpbd GridProjection: its drag is a share of the slip per substep, the parameter "
       "drag_factor, and no force per speed; take Drag out, or write Coupling<Embedded, Drag>");
   static_assert(
+      !Laws::PressureLaw::squeezes,
+      "mpmpbd GridProjection: its friction knows no pressure, only the lateral slip it stops; take "
+      "TissuePressure out, or write Coupling<Embedded, Friction, TissuePressure>");
+  static_assert(
       !In::has_surface,
       "mpmpbd GridProjection: a tip feels nothing here and nothing is punctured; take Surface out, "
       "or write Coupling<Embedded>");

@@ -57,6 +57,14 @@ template <class... Es> struct WithBeads<TypeList<Es...>, true> {
   using type = join_t<TypeList<Es...>, typename OnBeadsOf<Es>::type...>;
 };
 
+// What a coupling asks of the tissue by effects of its own; they act after those of the scene.
+template <class C> struct EffectsOf { using type = TypeList<>; };
+template <class C>
+  requires requires { typename C::Effects; }
+struct EffectsOf<C> {
+  using type = typename C::Effects;
+};
+
 // Stored fields that outlive a substep: all but those of the grid, which is scratch.
 template <class F>
 struct Outlives : std::bool_constant<F::stored && !std::is_same_v<typename F::Domain, Nodes>> {};
@@ -153,7 +161,9 @@ template <class... Parts> struct Scene {
       "mpmpbd Scene<...>: a surface given but no needle to puncture it; add ArcNeedle, or take "
       "the surface out");
 
-  using Effects = typename detail::WithBeads<of_role_t<role::Effect, Parts...>, has_rods>::type;
+  using Effects =
+      join_t<typename detail::WithBeads<of_role_t<role::Effect, Parts...>, has_rods>::type,
+             typename detail::EffectsOf<Coupling>::type>;
   static_assert(detail::check_effects(Effects{}));
   using In = SceneParts<Body, Rods, Needle, Surface, Coupling, Effects>;
   static_assert(
