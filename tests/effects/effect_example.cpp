@@ -1,7 +1,7 @@
 // The effect of docs/concepts/effect.md: what is shown there is compiled and tested here.
 #include "catch.hpp"
+#include "shown.hpp"
 
-// [example]
 #include <array>
 
 #include <mpmpbd/effects/concepts.hpp>
@@ -37,7 +37,6 @@ TEST_CASE("current keeps the laws of an effect", "[effect][example]") {
     CHECK(law.holds());
   }
 }
-// [example]
 
 // "v *= 1 - c" per step instead: what a peer ships as drag. Half the step doubles it.
 struct PerStep : Current {
@@ -50,4 +49,8 @@ TEST_CASE("drag per step does not keep the laws", "[effect][laws]") {
   auto const laws = mpmpbd::effect_laws<PerStep, double>({{0.3, 0.0, -0.1}, 35.0});
   CHECK_FALSE(mpmpbd::find_law(laws, "a step of no length").holds());
   CHECK_FALSE(mpmpbd::find_law(laws, "one step does").holds());
+}
+
+TEST_CASE("the page shows this code", "[effect][example]") {
+  CHECK(blocks_not_in(__FILE__, "concepts/effect.md") == std::vector<std::string>{});
 }

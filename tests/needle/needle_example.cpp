@@ -1,7 +1,7 @@
 // The code that docs/concepts/needle.md shows.
 #include "catch.hpp"
+#include "shown.hpp"
 
-// [example]
 #include <mpmpbd/needle/arc_needle.hpp>
 #include <mpmpbd/needle/kinematic.hpp>
 #include <mpmpbd/needle/points.hpp>
@@ -31,4 +31,8 @@ TEST_CASE("the example of the page on needles", "[needle][example]") {
 
   REQUIRE(path.angle == Approx(2.431).epsilon(1e-3));
   REQUIRE(needle::pose(view, 0).position == cast<float>(path.centre));
+}
+
+TEST_CASE("the page shows this code", "[needle][example]") {
+  CHECK(blocks_not_in(__FILE__, "concepts/needle.md") == std::vector<std::string>{});
 }

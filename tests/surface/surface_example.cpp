@@ -1,7 +1,7 @@
 // The code that docs/concepts/surface.md shows.
 #include "catch.hpp"
+#include "shown.hpp"
 
-// [example]
 #include <mpmpbd/surface/marker.hpp>
 #include <mpmpbd/surface/sheet_mesh.hpp>
 
@@ -40,4 +40,8 @@ TEST_CASE("the example of the page on the surface", "[surface][example]") {
   REQUIRE(path.count == 1);
   REQUIRE(path.list[0].share == Approx(2.0 / 3.0));
   REQUIRE(norm(position(sheet, marker) - vec(0.020, 0.016, 0.024)) < 1e-15);
+}
+
+TEST_CASE("the page shows this code", "[surface][example]") {
+  CHECK(blocks_not_in(__FILE__, "concepts/surface.md") == std::vector<std::string>{});
 }
