@@ -7,6 +7,7 @@
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/coupling/team.hpp>
 #include <mpmpbd/mpm/time_step.hpp>
+#include <mpmpbd/needle/fields.hpp>
 #include <mpmpbd/pbd/access.hpp>
 #include <mpmpbd/scene/scene.hpp>
 
@@ -100,12 +101,28 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     StepBounds<T> all;
     for (auto const& b : of_chunk) all.include(b);
     for (auto f : work_.faults) faults |= f;
+    all.speed = max(all.speed, needle_speed());
     return all;
   }
 
  private:
   static constexpr bool needs_previous =
       contains<typename Scene::NodeFields, node::PreviousVelocity>;
+
+  // A needle may be told to move faster than any particle does, and must not pass through tissue between
+  // two substeps. An upper bound of the speed of its points [m/s].
+  T needle_speed() const {
+    T speed = T(0);
+    if constexpr (Scene::has_needle) {
+      auto const& table = state_.template table<Needles>();
+      auto const radius = Scene::Needle::arc(context_.template of<typename Scene::Needle>()).radius;
+      for (std::int64_t i = 0; i < table.live(env_); ++i) {
+        auto const v = needle::twist(state_.template view<Needles>(), env_ * table.capacity() + i);
+        speed = max(speed, norm(v.linear) + radius * norm(v.angular));
+      }
+    }
+    return speed;
+  }
 
   // What effects with `damping(p, k)` [Pa s] add to the bounds.
   template <class P, class... Es>

@@ -62,7 +62,7 @@ namespace detail {
 template <class Body> inline constexpr double gradient_stiffness_of = gradient_stiffness<Body>();
 }  // namespace detail
 
-// What bounds the step of one environment; maxima over its particles.
+// What bounds the step of one environment; maxima over its particles, and over the needle as to speed.
 template <class T> struct StepBounds {
   T frequency2 = T(0);  // k / rho0 [m^2/s^2]
   T damping = T(0);     // largest eigenvalue of dtau/d(dF/dt) / rho0 [m^2/s]
