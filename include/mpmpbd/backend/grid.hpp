@@ -22,10 +22,11 @@ struct NodeBox {
   MPMPBD_HD bool has_row(int j, int k) const {
     return !empty() && j >= low[1] && j < high[1] && k >= low[2] && k < high[2];
   }
-  // Place of the first node of a row in an array of the box's nodes, x fastest.
-  MPMPBD_INLINE std::int64_t row(int j, int k) const {
-    return (high[0] - low[0]) *
-           ((j - low[1]) + static_cast<std::int64_t>(high[1] - low[1]) * (k - low[2]));
+  // In an array of the box's nodes, x fastest: how far it is to the next row and plane, and a node's place.
+  MPMPBD_INLINE std::int64_t next_row() const { return high[0] - low[0]; }
+  MPMPBD_INLINE std::int64_t next_plane() const { return next_row() * (high[1] - low[1]); }
+  MPMPBD_INLINE std::int64_t index(int i, int j, int k) const {
+    return (i - low[0]) + next_row() * (j - low[1]) + next_plane() * (k - low[2]);
   }
   void include(int const (&base)[3], int width) {
     bool const first = empty();
@@ -55,6 +56,9 @@ template <class T> struct Tile {
 template <class T> struct SumRow {
   Quad<T>* first;
   Quad<T>* previous;
+  MPMPBD_INLINE SumRow operator+(std::int64_t n) const {
+    return {first + n, previous == nullptr ? nullptr : previous + n};
+  }
   MPMPBD_INLINE void add(int n, Quad<T> const& sum) const { first[n] = first[n] + sum; }
   MPMPBD_INLINE void add_previous(int n, Quad<T> const& sum) const {
     previous[n] = previous[n] + sum;
@@ -67,9 +71,9 @@ template <class T> struct TileWriter {
 
   explicit TileWriter(Tile<T>& tile)
       : box(tile.box), sums(tile.sums.data()), previous(tile.previous.data()) {}
-  MPMPBD_INLINE SumRow<T> row(int i, int j, int k) const {
-    auto const at = box.row(j, k) + (i - box.low[0]);
-    return {sums + at, previous == nullptr ? nullptr : previous + at};
+  MPMPBD_INLINE auto window(int const (&at)[3]) const {
+    return Window{SumRow<T>{sums, previous} + box.index(at[0], at[1], at[2]), box.next_row(),
+                  box.next_plane()};
   }
 };
 
@@ -78,11 +82,13 @@ template <class T> struct NodeReader {
   Quad<T> const* nodes;
   Quad<T> const* previous;
   Lattice<T> lattice;
-  MPMPBD_INLINE Quad<T> const* row(int i, int j, int k) const {
-    return nodes + lattice.index(i, j, k);
-  }
-  MPMPBD_INLINE Quad<T> const* previous_row(int i, int j, int k) const {
-    return previous + lattice.index(i, j, k);
+  MPMPBD_INLINE auto window(int const (&at)[3]) const { return window(nodes, at); }
+  MPMPBD_INLINE auto previous_window(int const (&at)[3]) const { return window(previous, at); }
+
+ private:
+  MPMPBD_INLINE auto window(Quad<T> const* from, int const (&at)[3]) const {
+    std::int64_t const next_row = lattice.nodes[0], next_plane = next_row * lattice.nodes[1];
+    return Window{from + lattice.index(at[0], at[1], at[2]), next_row, next_plane};
   }
 };
 

@@ -223,16 +223,39 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     }
   }
 
+  // The nodes of a chunk. A stencil's first node grows with the position, so the extreme positions will do.
   NodeBox box_of(std::int64_t c) const {
     using Shape = typename Scene::Body::Shape;
     auto const view = state_.template view<Particles>();
+    std::int64_t const first = env_ * view.capacity + c * chunk_size;
+    std::int64_t const count = min(chunk_size, live_ - c * chunk_size);
+    Vec3<T> low, high;
+    for (int a = 0; a < 3; ++a)
+      extremes(view.template plane<particle::Position>(a) + first, count, low[a], high[a]);
     NodeBox box;
-    for_chunk(c, [&](std::int64_t index) {
-      auto const s =
-          Stencil<T, Shape>::at(context_.lattice, view.template get<particle::Position>(index));
-      box.include(s.base, Shape::width);
-    });
+    box.include(Stencil<T, Shape>::at(context_.lattice, low).base, Shape::width);
+    box.include(Stencil<T, Shape>::at(context_.lattice, high).base, Shape::width);
     return box;
+  }
+  // Eight at a time, which compilers make vectors of.
+  static void extremes(T const* x, std::int64_t count, T& low, T& high) {
+    T lows[8], highs[8];
+    for (int l = 0; l < 8; ++l) lows[l] = highs[l] = x[0];
+    std::int64_t i = 0;
+    for (; i + 8 <= count; i += 8)
+      for (int l = 0; l < 8; ++l) {
+        lows[l] = min(lows[l], x[i + l]);
+        highs[l] = max(highs[l], x[i + l]);
+      }
+    for (; i < count; ++i) {
+      lows[0] = min(lows[0], x[i]);
+      highs[0] = max(highs[0], x[i]);
+    }
+    low = lows[0], high = highs[0];
+    for (int l = 1; l < 8; ++l) {
+      low = min(low, lows[l]);
+      high = max(high, highs[l]);
+    }
   }
 
   template <std::vector<Quad<T>> Tile<T>::*member>
@@ -240,7 +263,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     for (int i = 0; i < context_.lattice.nodes[0]; ++i) row[i] = quad<T>(0, 0, 0, 0);
     for (auto const& tile : work_.tiles) {
       if (!tile.box.has_row(j, k)) continue;
-      auto const* from = (tile.*member).data() + tile.box.row(j, k);
+      auto const* from = (tile.*member).data() + tile.box.index(tile.box.low[0], j, k);
       for (int i = tile.box.low[0]; i < tile.box.high[0]; ++i)
         row[i] = row[i] + from[i - tile.box.low[0]];
     }

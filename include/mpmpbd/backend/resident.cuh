@@ -51,6 +51,7 @@ struct FixedRow {
   int* first;
   int plane;
   FixedPoint unit;
+  __device__ __forceinline__ FixedRow operator+(int n) const { return {first + n, plane, unit}; }
   __device__ __forceinline__ void add(int n, Quad<float> const& q) const {
     atomicAdd(first + n, __float2int_rn(q[0] * unit.momentum));
     atomicAdd(first + plane + n, __float2int_rn(q[1] * unit.momentum));
@@ -62,13 +63,16 @@ struct SharedWriter {
   Arena arena;
   Lattice<float> lattice;
   FixedPoint unit;
-  __device__ __forceinline__ FixedRow row(int i, int j, int k) const {
-    return {arena.sums + static_cast<int>(lattice.index(i, j, k)), arena.count, unit};
+  __device__ __forceinline__ auto window(int const (&at)[3]) const {
+    int const first = static_cast<int>(lattice.index(at[0], at[1], at[2]));
+    return Window{FixedRow{arena.sums + first, arena.count, unit}, lattice.nodes[0],
+                  lattice.nodes[0] * lattice.nodes[1]};
   }
 };
 
 struct VelocityRow {
   float4 const* first;
+  __device__ __forceinline__ VelocityRow operator+(int n) const { return {first + n}; }
   __device__ __forceinline__ Quad<float> operator[](int n) const {
     float4 const v = first[n];
     return quad<float>(v.x, v.y, v.z, v.w);
@@ -77,8 +81,10 @@ struct VelocityRow {
 struct SharedReader {
   Arena arena;
   Lattice<float> lattice;
-  __device__ __forceinline__ VelocityRow row(int i, int j, int k) const {
-    return {arena.velocity + static_cast<int>(lattice.index(i, j, k))};
+  __device__ __forceinline__ auto window(int const (&at)[3]) const {
+    int const first = static_cast<int>(lattice.index(at[0], at[1], at[2]));
+    return Window{VelocityRow{arena.velocity + first}, lattice.nodes[0],
+                  lattice.nodes[0] * lattice.nodes[1]};
   }
 };
 

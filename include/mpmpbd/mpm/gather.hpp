@@ -19,8 +19,8 @@ template <class Body> struct Gather {
   using Writes = union_t<Fields<particle::Position>, typename Transfer::Writes,
                          Fields<particle::Deformation, particle::Gradient>>;
 
-  // Moves one particle, or a pack of them; `grid.row(i, j, k)[n]` is the velocity of the n-th node from
-  // there along x. Returns the fault bits it met.
+  // Moves one particle, or a pack of them; `grid.window(node).row(j, k)[n]` is the velocity of the n-th node
+  // along x. Returns the fault bits it met.
   template <class P, class Grid, class K, class S>
   MPMPBD_INLINE static std::uint32_t run(P& p, Grid const& grid, K const& transfer_parameters,
                                          Lattice<S> const& lattice, S dt) {
@@ -40,20 +40,22 @@ template <class Body> struct Gather {
     auto const s = Stencils<T, Shape>::at(lattice, x);
     auto const w = Weights<T>::at(s.f);
     Quads<S> lane_sums[lanes<T>];
-    for (int l = 0; l < lanes<T>; ++l) lane_sums[l] = sum(grid, s.of_lane(l), w.of_lane(l));
+    for (int l = 0; l < lanes<T>; ++l) lane_sums[l] = sum(grid, s.of_lane(l).base, w.of_lane(l));
+    auto const all = [&](auto const& pick) { return vector_of(lane_sums, pick); };
     Gathered<T> g{};
-    g.velocity = vector_of(lane_sums, [](Quads<S> const& q) { return q.velocity; });
+    g.velocity = all([](Quads<S> const& q) { return q.velocity; });
     if constexpr (Transfer::needs_previous_grid)
-      g.previous_velocity = vector_of(lane_sums, [](Quads<S> const& q) { return q.previous; });
+      g.previous_velocity = all([](Quads<S> const& q) { return q.previous; });
     for (int a = 0; a < 3; ++a) {
-      if constexpr (moments)
+      if constexpr (moments) {
+        auto const about_middle = all([a](Quads<S> const& q) { return q.moment[a]; });
         set_column(g.moment, a,
                    T(S(Shape::inverse_inertia) * lattice.inverse_dx) *
-                       vector_of(lane_sums, [a](Quads<S> const& q) { return q.moment[a]; }));
+                       (about_middle + (T(middle) - s.f[a]) * g.velocity));
+      }
       if constexpr (Body::needs_slope)
-        set_column(g.slope, a, T(lattice.inverse_dx) * vector_of(lane_sums, [a](Quads<S> const& q) {
-                                 return q.slope[a];
-                               }));
+        set_column(g.slope, a,
+                   T(lattice.inverse_dx) * all([a](Quads<S> const& q) { return q.slope[a]; }));
     }
     if constexpr (Body::needs_moment && !moments) g.moment = g.slope;
     return g;
@@ -63,50 +65,96 @@ template <class Body> struct Gather {
   static constexpr bool moments = Body::needs_moment && Shape::inverse_inertia > 0.0;
   template <class T> using Weights = StencilWeights<T, Shape, Body::needs_slope>;
 
+  // Moments are summed about this node, where arms are small whole numbers, and moved to the particle.
+  static constexpr int middle = (Shape::width - 1) / 2;
+
   // The sums of one particle, four numbers an instruction.
   template <class S> struct Quads {
     Quad<S> velocity, previous;
-    Quad<S> moment[moments ? 3 : 1];           // sum w v d, per axis of d in cells
+    Quad<S> moment[moments ? 3 : 1];           // sum w v (i - middle), per axis
     Quad<S> slope[Body::needs_slope ? 3 : 1];  // sum v grad w, in 1/cells
   };
 
   template <class Grid, class S>
-  MPMPBD_INLINE static Quads<S> sum(Grid const& grid, Stencil<S, Shape> const& s,
-                                    Weights<S> const& w) {
+  MPMPBD_INLINE static Quads<S> sum(Grid const& grid, int const (&base)[3], Weights<S> const& w) {
     auto const zero = quad<S>(0, 0, 0, 0);
     Quads<S> q;
     q.velocity = q.previous = zero;
     for (auto& m : q.moment) m = zero;
     for (auto& m : q.slope) m = zero;
-    for (int k = 0; k < Shape::width; ++k) {
-      for (int j = 0; j < Shape::width; ++j) {
-        auto const nodes = grid.row(s.base[0], s.base[1] + j, s.base[2] + k);
-        S const w_jk = w.y.weight[j] * w.z.weight[k];
-        Quad<S> row = zero, row_moment = zero, row_slope = zero;
-        for (int i = 0; i < Shape::width; ++i) {
-          Quad<S> const wv = w.x.weight[i] * nodes[i];
-          row = row + wv;
-          if constexpr (moments) row_moment = row_moment + (S(i) - s.f[0]) * wv;
-          if constexpr (Body::needs_slope) row_slope = row_slope + w.x.slope[i] * nodes[i];
-          if constexpr (Transfer::needs_previous_grid)
-            q.previous =
-                q.previous + (w.x.weight[i] * w_jk) *
-                                 grid.previous_row(s.base[0], s.base[1] + j, s.base[2] + k)[i];
-        }
-        q.velocity = q.velocity + w_jk * row;
-        if constexpr (moments) {
-          q.moment[0] = q.moment[0] + w_jk * row_moment;
-          q.moment[1] = q.moment[1] + (w_jk * (S(j) - s.f[1])) * row;
-          q.moment[2] = q.moment[2] + (w_jk * (S(k) - s.f[2])) * row;
-        }
-        if constexpr (Body::needs_slope) {
-          q.slope[0] = q.slope[0] + w_jk * row_slope;
-          q.slope[1] = q.slope[1] + (w.y.slope[j] * w.z.weight[k]) * row;
-          q.slope[2] = q.slope[2] + (w.y.weight[j] * w.z.slope[k]) * row;
-        }
-      }
-    }
+    auto const window = grid.window(base);
+    auto previous = window;
+    if constexpr (Transfer::needs_previous_grid) previous = grid.previous_window(base);
+    for_columns<Grid, S, Shape::width>([&](auto nodes, int i) MPMPBD_ALWAYS_INLINE {
+      add_columns<decltype(nodes)>(q, window, previous, w, i);
+    });
     return q;
+  }
+
+  // Terms of the sums over a row's neighbours along y, and over planes along z.
+  static constexpr int if_slopes = Body::needs_slope ? Shape::width : 1;
+  static constexpr int if_moments = moments ? Shape::width : 1;
+  static constexpr int if_previous = Transfer::needs_previous_grid ? Shape::width : 1;
+  template <class V> struct Rows {
+    V weighted[Shape::width], slope[if_slopes], previous[if_previous];
+  };
+  template <class V> struct Planes {
+    V weighted[Shape::width], moment_y[if_moments], slope_y[if_slopes], slope_z[if_slopes],
+        previous[if_previous];
+  };
+  template <class V> MPMPBD_INLINE static V total(V const (&a)[Shape::width]) {
+    V sum = a[0];
+    for (int n = 1; n < Shape::width; ++n) sum = sum + a[n];
+    return sum;
+  }
+  template <class S, class V> MPMPBD_INLINE static V moment_of(V const (&a)[Shape::width]) {
+    V sum = S(-middle) * a[0];
+    for (int n = 1; n < Shape::width; ++n)
+      if (n != middle) sum = sum + S(n - middle) * a[n];
+    return sum;
+  }
+
+  // Sums some columns, over y, then over z, and adds them to q.
+  template <class N, class Nodes, class S>
+  MPMPBD_INLINE static void add_columns(Quads<S>& q, Nodes const& nodes,
+                                        [[maybe_unused]] Nodes const& previous, Weights<S> const& w,
+                                        int i) {
+    using V = typename N::Values;
+    Planes<V> planes;
+    for (int k = 0; k < Shape::width; ++k) {
+      Rows<V> rows;
+      for (int j = 0; j < Shape::width; ++j) {
+        V const v = N::load(nodes.row(j, k), i);
+        rows.weighted[j] = w.y.weight[j] * v;
+        if constexpr (Body::needs_slope) rows.slope[j] = w.y.slope[j] * v;
+        if constexpr (Transfer::needs_previous_grid)
+          rows.previous[j] = w.y.weight[j] * N::load(previous.row(j, k), i);
+      }
+      V const row = total(rows.weighted);
+      planes.weighted[k] = w.z.weight[k] * row;
+      if constexpr (moments) planes.moment_y[k] = w.z.weight[k] * moment_of<S>(rows.weighted);
+      if constexpr (Body::needs_slope) {
+        planes.slope_z[k] = w.z.slope[k] * row;
+        planes.slope_y[k] = w.z.weight[k] * total(rows.slope);
+      }
+      if constexpr (Transfer::needs_previous_grid)
+        planes.previous[k] = w.z.weight[k] * total(rows.previous);
+    }
+    auto const w_x = N::each(w.x.weight + i);
+    V const column = total(planes.weighted), weighted = w_x * column;
+    q.velocity = N::add(q.velocity, weighted);
+    if constexpr (moments) {
+      q.moment[0] = N::add(q.moment[0], N::numbered(i - middle) * weighted);
+      q.moment[1] = N::add(q.moment[1], w_x * total(planes.moment_y));
+      q.moment[2] = N::add(q.moment[2], w_x * moment_of<S>(planes.weighted));
+    }
+    if constexpr (Body::needs_slope) {
+      q.slope[0] = N::add(q.slope[0], N::each(w.x.slope + i) * column);
+      q.slope[1] = N::add(q.slope[1], w_x * total(planes.slope_y));
+      q.slope[2] = N::add(q.slope[2], w_x * total(planes.slope_z));
+    }
+    if constexpr (Transfer::needs_previous_grid)
+      q.previous = N::add(q.previous, w_x * total(planes.previous));
   }
 
   // One vector of every lane's sums.
@@ -127,17 +175,21 @@ template <class Body> struct Gather {
   template <class T, class S>
   MPMPBD_INLINE static std::uint32_t keep_inside(Vec3<T>& x, Vec3<T> const& v,
                                                  Lattice<S> const& lattice, S dt) {
+    T const farthest = T(lattice.dx);
+    auto const low = T(lowest_cell<Shape, S>() * lattice.dx);
+    Vec3<T> high;
+    for (int a = 0; a < 3; ++a) high[a] = T(highest_cell<Shape, S>(lattice.nodes[a]) * lattice.dx);
+    auto const inside = [&](int a) { return x[a] >= low && x[a] <= high[a]; };
+    auto const slow = [&](int a) { return abs(v[a]) * T(dt) <= farthest; };
+    if (!any(!(inside(0) && inside(1) && inside(2) && slow(0) && slow(1) && slow(2)))) return 0;
     std::uint32_t faults = 0;
     for (int a = 0; a < 3; ++a) {
-      T const low = lowest_cell<Shape, S>() * lattice.dx;
-      T const high = highest_cell<Shape, S>(lattice.nodes[a]) * lattice.dx;
-      if (any(!(x[a] >= low && x[a] <= high))) {
+      if (any(!inside(a))) {
         faults |=
             static_cast<std::uint32_t>(any(!is_finite(x[a])) ? Fault::not_finite : Fault::escape);
-        x[a] = select(x[a] >= low, min(x[a], high), low);  // NaN too; the environment is frozen
+        x[a] = select(x[a] >= low, min(x[a], high[a]), low);  // NaN too; the environment is frozen
       }
-      if (any(!(abs(v[a]) * T(dt) <= T(lattice.dx))))
-        faults |= static_cast<std::uint32_t>(Fault::speed);
+      if (any(!slow(a))) faults |= static_cast<std::uint32_t>(Fault::speed);
     }
     return faults;
   }

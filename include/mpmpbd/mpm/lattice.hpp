@@ -52,6 +52,14 @@ template <class T, class Shape> struct Stencil {
   }
 };
 
+// The nodes of one stencil as rows along x: the row of the first node, and the way to the others.
+template <class Row, class Step> struct Window {
+  Row first;
+  Step next_row, next_plane;  // nodes
+  MPMPBD_INLINE Row row(int j, int k) const { return first + (j * next_row + k * next_plane); }
+};
+template <class Row, class Step> Window(Row, Step, Step) -> Window<Row, Step>;
+
 // The part of the domain in which a point has all its nodes, kept a hundredth of a cell clear of its
 // border so that rounding never leaves it: [low, high] in cells, per axis.
 template <class Shape, class T> MPMPBD_HD T lowest_cell() { return T(Shape::offset) + T(0.01); }

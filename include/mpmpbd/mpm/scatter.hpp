@@ -4,12 +4,10 @@
 // 2015; Hu et al. 2018, eq. 16-18. With MLS both terms are one matrix: w (m C - dt V0 D^-1 tau) d.
 #pragma once
 
-#include <utility>
-
-#include <mpmpbd/core/quad.hpp>
 #include <mpmpbd/core/tick.hpp>
 #include <mpmpbd/mpm/body.hpp>
 #include <mpmpbd/mpm/lattice.hpp>
+#include <mpmpbd/mpm/neighbours.hpp>
 
 namespace mpmpbd {
 
@@ -77,18 +75,8 @@ template <class T> struct AffineMomentum {
   Vec<T, 4> value;        // at the first node
   Vec<T, 4> gradient[3];  // per cell along each axis
 };
-// The same for one particle, four numbers an instruction.
-template <class S> struct LaneMomentum { Quad<S> value, gradient[3]; };
-template <class T>
-MPMPBD_INLINE void to_lanes(AffineMomentum<T> const& q, LaneMomentum<lane_t<T>> (&out)[lanes<T>]) {
-  Quad<lane_t<T>> part[lanes<T>];
-  mpmpbd::to_lanes(q.value, part);
-  for (int l = 0; l < lanes<T>; ++l) out[l].value = part[l];
-  for (int a = 0; a < 3; ++a) {
-    mpmpbd::to_lanes(q.gradient[a], part);
-    for (int l = 0; l < lanes<T>; ++l) out[l].gradient[a] = part[l];
-  }
-}
+// The same for one particle, four numbers an instruction; and the impulse of forces by slopes.
+template <class S> struct LaneMomentum { Quad<S> value, gradient[3], impulse[3]; };
 }  // namespace detail
 
 template <class Body> struct Scatter {
@@ -102,51 +90,92 @@ template <class Body> struct Scatter {
               std::conditional_t<Transfer::carries_affine, Fields<particle::Affine>, Fields<>>>;
   using Writes = Fields<>;
 
-  // Adds one particle (or a pack of them, one after the other) to the grid; `grid.row(i, j, k).add(n, quad)`
-  // adds to the n-th node from there along x: floating point on the host, fixed point in a kernel.
-  // `add_previous` adds the same without the impulse of the forces, for transfers that ask for it.
+  // Adds one particle (or a pack of them, one after the other) to the grid: `grid.window(node).row(j, k)` is
+  // a row along x from there, and `row.add(n, quad)` adds to its n-th node: floating point on the host, fixed
+  // point in a kernel. `add_previous` adds the same without the impulse of the forces, for transfers that ask.
   template <class P, class Grid, class S>
   MPMPBD_INLINE static void run(P const& p, Grid const& grid, Lattice<S> const& lattice, S dt) {
     using T = typename P::Scalar;
     auto const s = Stencils<T, Shape>::at(lattice, p[particle::Position{}]);
     auto const w = Weights<T>::at(s.f);
     detail::LaneMomentum<S> carried[lanes<T>];
-    detail::to_lanes(momentum<Form::uses_moment>(p, s, lattice, dt), carried);
-    Mat3<T> impulse{};  // - dt V0 tau per cell: weight gradient form
+    to_each(momentum<Form::uses_moment>(p, s, lattice, dt), carried);
     if constexpr (!Form::uses_moment)
-      impulse = (T(-dt * lattice.inverse_dx) * p[particle::Volume{}]) * p[particle::Stress{}];
+      impulse_to_each(T(-dt * lattice.inverse_dx) * p[particle::Volume{}], p[particle::Stress{}],
+                      carried);
     for (int l = 0; l < lanes<T>; ++l)
-      add<&Rows<Grid>::add>(grid, s.of_lane(l), w.of_lane(l), carried[l], lane(impulse, l));
+      add<false>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
     if constexpr (Transfer::needs_previous_grid) {
-      detail::to_lanes(momentum<false>(p, s, lattice, dt), carried);
+      to_each(momentum<false>(p, s, lattice, dt), carried);
       for (int l = 0; l < lanes<T>; ++l)
-        add<&Rows<Grid>::add_previous>(grid, s.of_lane(l), w.of_lane(l), carried[l], Mat3<S>{});
+        add<true>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
     }
   }
 
  private:
   template <class T> using Weights = StencilWeights<T, Shape, !Form::uses_moment>;
-  template <class Grid> using Rows = decltype(std::declval<Grid const&>().row(0, 0, 0));
 
-  // Adds one particle to its nodes, row by row along x.
-  template <auto add_to, class Grid, class S>
-  MPMPBD_INLINE static void add(Grid const& grid, Stencil<S, Shape> const& s, Weights<S> const& w,
-                                detail::LaneMomentum<S> const& q, Mat3<S> const& impulse) {
+  // Numbers of all lanes become quads of each.
+  template <class T, class S, int count>
+  MPMPBD_INLINE static void to_each(detail::AffineMomentum<T> const& q,
+                                    detail::LaneMomentum<S> (&out)[count]) {
+    Quad<S> part[count];
+    to_lanes(q.value, part);
+    for (int l = 0; l < count; ++l) out[l].value = part[l];
+    for (int a = 0; a < 3; ++a) {
+      to_lanes(q.gradient[a], part);
+      for (int l = 0; l < count; ++l) out[l].gradient[a] = part[l];
+    }
+  }
+  // Forces by slopes of the weights: - dt V0 tau per cell.
+  template <class T, class S, int count>
+  MPMPBD_INLINE static void impulse_to_each(T const& scale, Mat3<T> const& stress,
+                                            detail::LaneMomentum<S> (&out)[count]) {
+    Mat3<T> const A = scale * stress;
+    Quad<S> part[count];
+    for (int a = 0; a < 3; ++a) {
+      to_lanes(Vec<T, 4>{{A(0, a), A(1, a), A(2, a), T(0)}}, part);
+      for (int l = 0; l < count; ++l) out[l].impulse[a] = part[l];
+    }
+  }
+
+  // Adds one particle to its nodes.
+  template <bool previous, class Grid, class S>
+  MPMPBD_INLINE static void add(Grid const& grid, int const (&base)[3], Weights<S> const& w,
+                                detail::LaneMomentum<S> const& q) {
+    auto const window = grid.window(base);
+    for_columns<Grid, S, Shape::width>([&](auto nodes, int i) MPMPBD_ALWAYS_INLINE {
+      add_columns<decltype(nodes), previous>(window, w, q, i);
+    });
+  }
+  // w_i w_j w_k (value + gradient d) to the nodes of some columns, the products of weights taken plane by
+  // plane and row by row.
+  template <class N, bool previous, class Nodes, class S>
+  MPMPBD_INLINE static void add_columns(Nodes const& nodes, Weights<S> const& w,
+                                        detail::LaneMomentum<S> const& q, int i) {
+    using V = typename N::Values;
+    constexpr bool slopes = !previous && !Form::uses_moment;
+    auto const w_x = N::each(w.x.weight + i);
+    V column = w_x * (N::all(q.value) + N::numbered(i) * N::all(q.gradient[0]));
+    V const along_y = w_x * N::all(q.gradient[1]), along_z = w_x * N::all(q.gradient[2]);
+    V across_y, across_z;
+    if constexpr (slopes) {
+      column = column + N::each(w.x.slope + i) * N::all(q.impulse[0]);
+      across_y = w_x * N::all(q.impulse[1]), across_z = w_x * N::all(q.impulse[2]);
+    }
     for (int k = 0; k < Shape::width; ++k) {
-      auto const plane = q.value + S(k) * q.gradient[2];
+      if (k > 0) column = column + along_z;
+      V row = w.z.weight[k] * column;
+      if constexpr (slopes) row = row + w.z.slope[k] * across_z;
+      V const step = w.z.weight[k] * along_y;
       for (int j = 0; j < Shape::width; ++j) {
-        auto const row = plane + S(j) * q.gradient[1];
-        S const w_jk = w.y.weight[j] * w.z.weight[k];
-        auto const nodes = grid.row(s.base[0], s.base[1] + j, s.base[2] + k);
-        for (int i = 0; i < Shape::width; ++i) {
-          auto sum = (w_jk * w.x.weight[i]) * (row + S(i) * q.gradient[0]);
-          if constexpr (!Form::uses_moment) {
-            Vec3<S> const grad{{w.x.slope[i] * w_jk, w.x.weight[i] * w.y.slope[j] * w.z.weight[k],
-                                w.x.weight[i] * w.y.weight[j] * w.z.slope[k]}};
-            sum = sum + quad(impulse * grad, S(0));
-          }
-          (nodes.*add_to)(i, sum);
-        }
+        if (j > 0) row = row + step;
+        V sum = w.y.weight[j] * row;
+        if constexpr (slopes) sum = sum + w.y.slope[j] * (w.z.weight[k] * across_y);
+        if constexpr (previous)
+          nodes.row(j, k).add_previous(i, sum);
+        else
+          nodes.row(j, k).add(i, sum);
       }
     }
   }

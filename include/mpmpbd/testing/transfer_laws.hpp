@@ -38,20 +38,22 @@ template <class T> struct DenseGrid {
   struct Row {
     Quad<T>* first;
     Quad<T>* previous;
+    Row operator+(std::int64_t n) const { return {first + n, previous + n}; }
     void add(int n, Quad<T> const& q) const { first[n] = first[n] + q; }
     void add_previous(int n, Quad<T> const& q) const { previous[n] = previous[n] + q; }
   };
   struct Writer {
     DenseGrid* grid;
-    Row row(int i, int j, int k) const {
-      auto const at = grid->lattice.index(i, j, k);
-      return {grid->sums.data() + at, grid->before.data() + at};
+    auto window(int const (&at)[3]) const {
+      return grid->window(Row{grid->sums.data(), grid->before.data()}, at);
     }
   };
   Writer writer() { return {this}; }
-  Quad<T> const* row(int i, int j, int k) const { return sums.data() + lattice.index(i, j, k); }
-  Quad<T> const* previous_row(int i, int j, int k) const {
-    return before.data() + lattice.index(i, j, k);
+  auto window(int const (&at)[3]) const { return window(sums.data(), at); }
+  auto previous_window(int const (&at)[3]) const { return window(before.data(), at); }
+  template <class Row> auto window(Row const& origin, int const (&at)[3]) const {
+    std::int64_t const next_row = lattice.nodes[0], next_plane = next_row * lattice.nodes[1];
+    return Window{origin + lattice.index(at[0], at[1], at[2]), next_row, next_plane};
   }
 
   template <class Function> void for_each_node(Function&& f) {
