@@ -11,12 +11,12 @@
 #if defined(MPMPBD_HAS_PACKS)
 namespace {
 using namespace mpmpbd;
-using P4 = Pack<float>;
+using Eight = Pack<float>;
 
-void set_lane(Mat3<P4>& to, int lane, Mat3<float> const& from) {
+void set_lane(Mat3<Eight>& to, int lane, Mat3<float> const& from) {
   for (int i = 0; i < 9; ++i) to.m[i].v[lane] = from.m[i];
 }
-Mat3<float> get_lane(Mat3<P4> const& from, int at) {
+Mat3<float> get_lane(Mat3<Eight> const& from, int at) {
   Mat3<float> r{};
   for (int i = 0; i < 9; ++i) r.m[i] = lane(from.m[i], at);
   return r;
@@ -27,40 +27,42 @@ TEMPLATE_TEST_CASE("materials give the same bits in packs", "[material][pack]", 
                    StableNeoHookean, StVenantKirchhoff) {
   using M = TestType;
   static_assert(M::branch_free);
+  if (!has_wide_vectors()) return;
   testing::Samples random(61);
   Lame<float> const k{6.1e3f, 2.4e4f};
   for (int s = 0; s < 500; ++s) {
-    Local<P4, Fields<particle::Deformation>> four{};
-    Local<float, Fields<particle::Deformation>> one[4]{};
-    for (int l = 0; l < 4; ++l) {  // with inverted particles among them
+    Local<Eight, Fields<particle::Deformation>> eight{};
+    Local<float, Fields<particle::Deformation>> one[8]{};
+    for (int l = 0; l < 8; ++l) {  // with inverted particles among them
       auto const F =
           cast<float>(s % 3 != 0 ? random.deformation(0.3, 3.0) : random.matrix<3, 3>(-1.0, 1.0));
       one[l][particle::Deformation{}] = F;
-      set_lane(four[particle::Deformation{}], l, F);
+      set_lane(eight[particle::Deformation{}], l, F);
     }
-    auto const tau = M::kirchhoff(four, k);
-    for (int l = 0; l < 4; ++l) CHECK(get_lane(tau, l) == M::kirchhoff(one[l], k));
+    auto const tau = M::kirchhoff(eight, k);
+    for (int l = 0; l < 8; ++l) CHECK(get_lane(tau, l) == M::kirchhoff(one[l], k));
   }
 }
 
 TEST_CASE("viscosity gives the same bits in packs", "[effect][viscosity][pack]") {
   using E = Viscosity;
+  if (!has_wide_vectors()) return;
   testing::Samples random(62);
   Tick<float> const tick{1e-4f, 1e-4f, 2};
   parameters_t<E, float> const k{12.0f};
   for (int s = 0; s < 100; ++s) {
-    detail::Archetype<E, P4> four{};
-    detail::Archetype<E, float> one[4]{};
-    for (int l = 0; l < 4; ++l) {
+    detail::Archetype<E, Eight> eight{};
+    detail::Archetype<E, float> one[8]{};
+    for (int l = 0; l < 8; ++l) {
       one[l][particle::Deformation{}] = cast<float>(random.deformation(0.3, 3.0));
       one[l][particle::Affine{}] = cast<float>(random.matrix<3, 3>(-40.0, 40.0));
-      set_lane(four[particle::Deformation{}], l, one[l][particle::Deformation{}]);
-      set_lane(four[particle::Affine{}], l, one[l][particle::Affine{}]);
+      set_lane(eight[particle::Deformation{}], l, one[l][particle::Deformation{}]);
+      set_lane(eight[particle::Affine{}], l, one[l][particle::Affine{}]);
       E::apply(one[l], k, tick);
     }
-    E::apply(four, k, tick);
-    for (int l = 0; l < 4; ++l)
-      CHECK(get_lane(four[particle::Stress{}], l) == one[l][particle::Stress{}]);
+    E::apply(eight, k, tick);
+    for (int l = 0; l < 8; ++l)
+      CHECK(get_lane(eight[particle::Stress{}], l) == one[l][particle::Stress{}]);
   }
 }
 #else

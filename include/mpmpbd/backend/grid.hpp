@@ -63,6 +63,17 @@ template <class T> struct SumRow {
   MPMPBD_INLINE void add_previous(int n, Quad<T> const& sum) const {
     previous[n] = previous[n] + sum;
   }
+#if defined(MPMPBD_HAS_PACKS)
+  // The same for two nodes.
+  MPMPBD_WIDE void add(int n, Pack<float> const& sums) const { add(first + n, sums); }
+  MPMPBD_WIDE void add_previous(int n, Pack<float> const& sums) const { add(previous + n, sums); }
+
+ private:
+  MPMPBD_WIDE static void add(Quad<T>* to, Pack<float> const& sums) {
+    auto* const at = reinterpret_cast<float*>(to);
+    (Pack<float>::load(at) + sums).store(at);
+  }
+#endif
 };
 template <class T> struct TileWriter {
   NodeBox box;
@@ -91,6 +102,9 @@ template <class T> struct NodeReader {
     return Window{from + lattice.index(at[0], at[1], at[2]), next_row, next_plane};
   }
 };
+
+// The same grid, for kernels that take two neighbours at a time.
+template <class Grid> struct InPairs : Grid { static constexpr bool in_pairs = true; };
 
 // What a coupling reads and changes: nodes by their index in the lattice, and scratch memory.
 template <class T, class Move, class Ctx> struct NodeAccess {

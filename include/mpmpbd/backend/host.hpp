@@ -144,32 +144,45 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     for (std::int64_t slot = c * chunk_size; slot < end; ++slot) f(first + slot);
   }
 
-  // Loads every particle of a chunk, lets f change it, stores it: in packs where the stage's policies can.
-  template <class Stage, class Function>
-  std::uint32_t each_particle(std::int64_t c, Function&& f) const {
+  // Loads every particle of a chunk, lets the stage change it, stores it: in packs where the stage's
+  // policies and the machine can.
+  template <class Stage, class Grid>
+  std::uint32_t each_particle(std::int64_t c, Grid const& grid) const {
     auto const view = state_.template view<Particles>();
     std::int64_t const first = env_ * view.capacity;
-    std::int64_t const end = (c + 1) * chunk_size < live_ ? (c + 1) * chunk_size : live_;
-    std::int64_t slot = c * chunk_size;
+    std::int64_t const end = first + min((c + 1) * chunk_size, live_);
+    std::int64_t index = first + c * chunk_size;
     std::uint32_t faults = 0;
 #if defined(MPMPBD_HAS_PACKS)
-    if constexpr (std::is_same_v<T, float> && Stage::branch_free) {
-      PackView<std::remove_const_t<decltype(view)>> const packs{view};
-      for (; slot + lanes<Pack<T>> <= end; slot += lanes<Pack<T>>)
-        faults |= one_item<Stage, Pack<T>>(packs, first + slot, f);
-    }
+    if constexpr (std::is_same_v<T, float> && Stage::branch_free)
+      if (packs_)
+        index = packs<Stage>(PackView<std::remove_const_t<decltype(view)>>{view}, index, end,
+                             InPairs<Grid>{grid}, context_, faults);
 #endif
-    for (; slot < end; ++slot) faults |= one_item<Stage, T>(view, first + slot, f);
+    for (; index < end; ++index) faults |= one_item<Stage, T>(view, index, grid, context_);
     return faults;
   }
-  template <class Stage, class Scalar, class View_, class Function>
-  MPMPBD_ALWAYS_INLINE static std::uint32_t one_item(View_ const& view, std::int64_t index,
-                                                     Function&& f) {
+#if defined(MPMPBD_HAS_PACKS)
+  // Whole packs from index on; returns where the rest begins.
+  template <class Stage, class View_, class Grid>
+  MPMPBD_WIDE_KERNEL static std::int64_t packs(View_ const& view, std::int64_t index,
+                                               std::int64_t end, Grid const& grid,
+                                               Ctx const& context, std::uint32_t& faults) {
+    std::uint32_t met = 0;
+    for (; index + lanes<Pack<T>> <= end; index += lanes<Pack<T>>)
+      met |= one_item<Stage, Pack<T>>(view, index, grid, context);
+    faults |= met;
+    return index;
+  }
+#endif
+  template <class Stage, class Scalar, class View_, class Grid>
+  MPMPBD_INLINE static std::uint32_t one_item(View_ const& view, std::int64_t index,
+                                              Grid const& grid, Ctx const& context) {
     using Reads = on_t<typename Stage::Reads, Particles>;
     using Writes = on_t<typename Stage::Writes, Particles>;
     Local<Scalar, union_t<Reads, Writes>> p;
     p.load(view, index, stored_t<Reads>{});
-    auto const faults = f(p);
+    auto const faults = Stage::run(p, grid, context);
     p.store(view, index, stored_t<Writes>{});
     return faults;
   }
@@ -179,8 +192,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
       auto& tile = work_.tiles[static_cast<std::size_t>(c)];
       tile.clear_to(box_of(c), needs_previous);
       TileWriter<T> const sums(tile);
-      work_.faults[static_cast<std::size_t>(c)] |= each_particle<Stage>(
-          c, [&](auto& p) MPMPBD_ALWAYS_INLINE { return Stage::run(p, sums, context_); });
+      work_.faults[static_cast<std::size_t>(c)] |= each_particle<Stage>(c, sums);
     });
   }
 
@@ -204,8 +216,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     NodeReader<T> nodes{work_.nodes.data(), nullptr, context_.lattice};
     if constexpr (needs_previous) nodes.previous = work_.previous.velocities.data();
     lanes_.for_each(chunks(), [&](std::int64_t c, int) {
-      work_.faults[static_cast<std::size_t>(c)] |= each_particle<Stage>(
-          c, [&](auto& p) MPMPBD_ALWAYS_INLINE { return Stage::run(p, nodes, context_); });
+      work_.faults[static_cast<std::size_t>(c)] |= each_particle<Stage>(c, nodes);
     });
   }
 
@@ -291,6 +302,9 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   Ctx context_;
   Work& work_;
   Lanes lanes_;
+#if defined(MPMPBD_HAS_PACKS)
+  bool packs_ = lanes_.kernels == Kernels::widest && has_wide_vectors();
+#endif
 };
 
 }  // namespace mpmpbd

@@ -4,11 +4,14 @@
 #include <cstdint>
 
 #include <mpmpbd/core/fixed_string.hpp>
+#include <mpmpbd/core/wide.hpp>
 
 namespace mpmpbd {
 
 struct Serial {
   static constexpr FixedString name = "serial";
+  Kernels kernels = Kernels::widest;
+
   int lanes() const { return 1; }
 
   // Calls f(i, lane) for every i in [0, count); nothing may depend on the order.

@@ -11,12 +11,14 @@
 #endif
 
 #include <mpmpbd/core/fixed_string.hpp>
+#include <mpmpbd/core/wide.hpp>
 
 namespace mpmpbd {
 
 struct Threads {
   static constexpr FixedString name = "threads";
   int count = 0;  // 0: as many as the machine offers
+  Kernels kernels = Kernels::widest;
 
   int lanes() const {
 #if defined(_OPENMP)

@@ -1,4 +1,4 @@
-// Four particles at once: a scalar type whose arithmetic is one vector instruction on any x86-64.
+// Eight particles at once: a scalar type whose arithmetic is one instruction of wide vectors.
 //
 // Policies are templates on their scalar, so the same text runs on float and on Pack<float>. What a
 // policy must not do then is branch on a value: `select(condition, a, b)` computes both and picks. Each
@@ -6,6 +6,7 @@
 #pragma once
 
 #include <mpmpbd/core/table.hpp>
+#include <mpmpbd/core/wide.hpp>
 
 namespace mpmpbd {
 
@@ -23,101 +24,140 @@ template <class T> using lane_t = typename LaneOf<T>::type;
 
 template <Real T> MPMPBD_INLINE T lane(T a, int) { return a; }
 
-#if defined(__GNUC__) && !defined(__CUDACC__) && !defined(MPMPBD_SCALAR_ONLY)
-#define MPMPBD_HAS_PACKS 1
-
+#if defined(MPMPBD_HAS_PACKS)
 template <class T> struct Pack;
 
+// A type that moves by a function of its own is passed by reference: what holds 32 bytes by value depends
+// on the target of a function, and a kernel's is not that of a policy that was not inlined.
 template <> struct Pack<float> {
-  typedef float Lanes __attribute__((vector_size(16)));
-  typedef int Mask __attribute__((vector_size(16)));
+  typedef float Lanes __attribute__((vector_size(32)));
+  typedef int Mask __attribute__((vector_size(32)));
   Lanes v;
 
   Pack() = default;
-  MPMPBD_INLINE Pack(Lanes lanes_) : v(lanes_) {}
+  Pack(Pack const&) = default;
+  MPMPBD_INLINE Pack(Pack&& b) noexcept : v(b.v) {}
+  Pack& operator=(Pack const&) = default;
+  MPMPBD_WIDE Pack(Lanes const& lanes_) : v(lanes_) {}
   template <class S>
-    requires std::is_arithmetic_v<S> MPMPBD_INLINE Pack(S s) : v(static_cast<float>(s) - Lanes{}) {}
+    requires std::is_arithmetic_v<S> MPMPBD_WIDE Pack(S s) : v(static_cast<float>(s) - Lanes{}) {}
 
-    MPMPBD_INLINE Pack& operator+=(Pack b) {
+    // Eight floats in a row, wherever they start.
+    MPMPBD_WIDE static Pack load(float const* from) {
+      return Lanes(*reinterpret_cast<Loose const*>(from));
+    }
+    MPMPBD_WIDE void store(float* to) const { *reinterpret_cast<Loose*>(to) = v; }
+
+    MPMPBD_WIDE Pack& operator+=(Pack const& b) {
       v += b.v;
       return *this;
     }
-    MPMPBD_INLINE Pack& operator-=(Pack b) {
+    MPMPBD_WIDE Pack& operator-=(Pack const& b) {
       v -= b.v;
       return *this;
     }
-    MPMPBD_INLINE Pack& operator*=(Pack b) {
+    MPMPBD_WIDE Pack& operator*=(Pack const& b) {
       v *= b.v;
       return *this;
     }
-    friend MPMPBD_INLINE Pack operator+(Pack a, Pack b) { return a.v + b.v; }
-    friend MPMPBD_INLINE Pack operator-(Pack a, Pack b) { return a.v - b.v; }
-    friend MPMPBD_INLINE Pack operator*(Pack a, Pack b) { return a.v * b.v; }
-    friend MPMPBD_INLINE Pack operator/(Pack a, Pack b) { return a.v / b.v; }
-    friend MPMPBD_INLINE Pack operator-(Pack a) { return -a.v; }
+    friend MPMPBD_WIDE Pack operator+(Pack const& a, Pack const& b) { return a.v + b.v; }
+    friend MPMPBD_WIDE Pack operator-(Pack const& a, Pack const& b) { return a.v - b.v; }
+    friend MPMPBD_WIDE Pack operator*(Pack const& a, Pack const& b) { return a.v * b.v; }
+    friend MPMPBD_WIDE Pack operator/(Pack const& a, Pack const& b) { return a.v / b.v; }
+    friend MPMPBD_WIDE Pack operator-(Pack const& a) { return -a.v; }
 
     struct Condition {
       Mask m;
-      friend MPMPBD_INLINE Condition operator!(Condition a) { return {~a.m}; }
-      friend MPMPBD_INLINE Condition operator&&(Condition a, Condition b) { return {a.m & b.m}; }
-      friend MPMPBD_INLINE Condition operator||(Condition a, Condition b) { return {a.m | b.m}; }
+      Condition(Condition const&) = default;
+      MPMPBD_INLINE Condition(Condition&& b) noexcept : m(b.m) {}
+      Condition& operator=(Condition const&) = default;
+      MPMPBD_WIDE Condition(Mask const& mask) : m(mask) {}
+      friend MPMPBD_WIDE Condition operator!(Condition const& a) { return ~a.m; }
+      friend MPMPBD_WIDE Condition operator&&(Condition const& a, Condition const& b) {
+        return a.m & b.m;
+      }
+      friend MPMPBD_WIDE Condition operator||(Condition const& a, Condition const& b) {
+        return a.m | b.m;
+      }
     };
-    friend MPMPBD_INLINE Condition operator<(Pack a, Pack b) { return {a.v < b.v}; }
-    friend MPMPBD_INLINE Condition operator>(Pack a, Pack b) { return {a.v > b.v}; }
-    friend MPMPBD_INLINE Condition operator<=(Pack a, Pack b) { return {a.v <= b.v}; }
-    friend MPMPBD_INLINE Condition operator>=(Pack a, Pack b) { return {a.v >= b.v}; }
+    friend MPMPBD_WIDE Condition operator<(Pack const& a, Pack const& b) { return a.v < b.v; }
+    friend MPMPBD_WIDE Condition operator>(Pack const& a, Pack const& b) { return a.v > b.v; }
+    friend MPMPBD_WIDE Condition operator<=(Pack const& a, Pack const& b) { return a.v <= b.v; }
+    friend MPMPBD_WIDE Condition operator>=(Pack const& a, Pack const& b) { return a.v >= b.v; }
+
+   private:
+    typedef float Loose __attribute__((vector_size(32), aligned(4), may_alias));
 };
-template <> inline constexpr int lanes<Pack<float>> = 4;
+template <> inline constexpr int lanes<Pack<float>> = 8;
 template <> struct LaneOf<Pack<float>> { using type = float; };
 
-MPMPBD_INLINE Pack<float> select(Pack<float>::Condition c, Pack<float> a, Pack<float> b) {
+MPMPBD_WIDE Pack<float> select(Pack<float>::Condition const& c, Pack<float> const& a,
+                               Pack<float> const& b) {
   using Mask = Pack<float>::Mask;
   return Pack<float>::Lanes((c.m & Mask(a.v)) | (~c.m & Mask(b.v)));
 }
-MPMPBD_INLINE bool any(Pack<float>::Condition c) {
-  return (c.m[0] | c.m[1] | c.m[2] | c.m[3]) != 0;
+MPMPBD_WIDE bool any(Pack<float>::Condition const& c) {
+  typedef long long Pairs __attribute__((vector_size(32)));
+  Pairs const p = Pairs(c.m);
+  return ((p[0] | p[1]) | (p[2] | p[3])) != 0;
 }
-MPMPBD_INLINE Pack<float> min(Pack<float> a, Pack<float> b) { return select(b < a, b, a); }
-MPMPBD_INLINE Pack<float> max(Pack<float> a, Pack<float> b) { return select(a < b, b, a); }
-MPMPBD_INLINE Pack<float> abs(Pack<float> a) {
+MPMPBD_WIDE Pack<float> min(Pack<float> const& a, Pack<float> const& b) {
+  return select(b < a, b, a);
+}
+MPMPBD_WIDE Pack<float> max(Pack<float> const& a, Pack<float> const& b) {
+  return select(a < b, b, a);
+}
+MPMPBD_WIDE Pack<float> abs(Pack<float> const& a) {
   return Pack<float>::Lanes(Pack<float>::Mask(a.v) & (0x7fffffff - Pack<float>::Mask{}));
 }
-MPMPBD_INLINE Pack<float>::Condition is_finite(Pack<float> a) {
-  return {(a.v - a.v) == Pack<float>::Lanes{}};
+MPMPBD_WIDE Pack<float>::Condition is_finite(Pack<float> const& a) {
+  return (a.v - a.v) == Pack<float>::Lanes{};
 }
-// The library's own functions lane by lane: the bits of float.
-MPMPBD_INLINE Pack<float> sqrt(Pack<float> a) {
-  return Pack<float>::Lanes{sqrt(a.v[0]), sqrt(a.v[1]), sqrt(a.v[2]), sqrt(a.v[3])};
-}
-MPMPBD_INLINE Pack<float> log(Pack<float> a) {
-  return Pack<float>::Lanes{log(a.v[0]), log(a.v[1]), log(a.v[2]), log(a.v[3])};
-}
-MPMPBD_INLINE Pack<float> exp(Pack<float> a) {
-  return Pack<float>::Lanes{exp(a.v[0]), exp(a.v[1]), exp(a.v[2]), exp(a.v[3])};
-}
-MPMPBD_INLINE Pack<float> floor(Pack<float> a) {
+MPMPBD_WIDE Pack<float> floor(Pack<float> const& a) {
   auto const whole =
       __builtin_convertvector(__builtin_convertvector(a.v, Pack<float>::Mask), Pack<float>::Lanes);
   return select(Pack<float>(whole) > a, whole - 1.0f, whole);
 }
+// The library's own functions lane by lane: the bits of float.
+namespace detail {
+template <class Function>
+MPMPBD_WIDE Pack<float> lane_by_lane(Pack<float> const& a, Function const& f) {
+  Pack<float> r;
+  for (int l = 0; l < lanes<Pack<float>>; ++l) r.v[l] = f(a.v[l]);
+  return r;
+}
+}  // namespace detail
+MPMPBD_WIDE Pack<float> sqrt(Pack<float> const& a) {
+  return detail::lane_by_lane(a, [](float x) { return sqrt(x); });
+}
+MPMPBD_WIDE Pack<float> log(Pack<float> const& a) {
+  return detail::lane_by_lane(a, [](float x) { return log(x); });
+}
+MPMPBD_WIDE Pack<float> exp(Pack<float> const& a) {
+  return detail::lane_by_lane(a, [](float x) { return exp(x); });
+}
 
 MPMPBD_INLINE float lane(Pack<float> const& a, int l) { return a.v[l]; }
 
-// Four consecutive slots as one item: what Local loads from and stores to.
+// Eight consecutive slots as one item: what Local loads from and stores to.
 template <class View> struct PackView {
   View view;
-  template <class F> MPMPBD_INLINE value_t<F, Pack<float>> get(std::int64_t index) const {
-    value_t<F, Pack<float>> value;
-    auto* to = reinterpret_cast<Pack<float>*>(&value);
-    for (int c = 0; c < F::components; ++c)
-      __builtin_memcpy(&to[c].v, view.template plane<F>(c) + index, sizeof to[c].v);
-    return value;
+  template <class F> MPMPBD_WIDE value_t<F, Pack<float>> get(std::int64_t index) const {
+    if constexpr (F::components == 1) {
+      return Pack<float>::load(view.template plane<F>() + index);
+    } else {
+      value_t<F, Pack<float>> value;
+      for (int c = 0; c < F::components; ++c)
+        value[c] = Pack<float>::load(view.template plane<F>(c) + index);
+      return value;
+    }
   }
   template <class F>
-  MPMPBD_INLINE void set(std::int64_t index, value_t<F, Pack<float>> const& value) const {
-    auto const* from = reinterpret_cast<Pack<float> const*>(&value);
-    for (int c = 0; c < F::components; ++c)
-      __builtin_memcpy(view.template plane<F>(c) + index, &from[c].v, sizeof from[c].v);
+  MPMPBD_WIDE void set(std::int64_t index, value_t<F, Pack<float>> const& value) const {
+    if constexpr (F::components == 1)
+      value.store(view.template plane<F>() + index);
+    else
+      for (int c = 0; c < F::components; ++c) value.m[c].store(view.template plane<F>(c) + index);
   }
 };
 #endif
@@ -130,7 +170,7 @@ MPMPBD_INLINE Mat<lane_t<T>, R, C> lane(Mat<T, R, C> const& a, int l) {
   return r;
 }
 template <class Condition, class T, int R, int C>
-MPMPBD_INLINE Mat<T, R, C> select(Condition condition, Mat<T, R, C> const& a,
+MPMPBD_INLINE Mat<T, R, C> select(Condition const& condition, Mat<T, R, C> const& a,
                                   Mat<T, R, C> const& b) {
   Mat<T, R, C> r;
   for (int i = 0; i < R * C; ++i) r.m[i] = select(condition, a.m[i], b.m[i]);

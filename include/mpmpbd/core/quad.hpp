@@ -9,7 +9,7 @@
 
 namespace mpmpbd {
 
-#if defined(__GNUC__) && !defined(__CUDACC__) && !defined(MPMPBD_SCALAR_ONLY)
+#if defined(MPMPBD_HAS_PACKS)
 template <class T> struct Quad {
   typedef T Lanes __attribute__((vector_size(4 * sizeof(T))));
   Lanes v;
@@ -46,27 +46,40 @@ template <Real T> MPMPBD_INLINE Vec<T, 4> from_lanes(Quad<T> const (&q)[1]) {
   return {{q[0][0], q[0][1], q[0][2], q[0][3]}};
 }
 #if defined(MPMPBD_HAS_PACKS)
+// Two quads side by side.
+MPMPBD_WIDE Pack<float> both(Quad<float> const& a, Quad<float> const& b) {
+  return __builtin_shufflevector(a.v, b.v, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+MPMPBD_WIDE Quad<float> low_half(Pack<float> const& a) {
+  return {__builtin_shufflevector(a.v, a.v, 0, 1, 2, 3)};
+}
+MPMPBD_WIDE Quad<float> high_half(Pack<float> const& a) {
+  return {__builtin_shufflevector(a.v, a.v, 4, 5, 6, 7)};
+}
 namespace detail {
-// Columns of a 4 x 4 matrix become rows.
-template <class V> MPMPBD_INLINE void transpose_lanes(V& a, V& b, V& c, V& d) {
-  V const ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5),
-          ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
-  V const cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5),
-          cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-  a = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
-  b = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
-  c = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
-  d = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+// Columns of two 4 x 4 matrices, side by side, become rows.
+MPMPBD_WIDE void transpose_halves(Pack<float> (&q)[4]) {
+  auto const a = q[0].v, b = q[1].v, c = q[2].v, d = q[3].v;
+  auto const ab_low = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13),
+             ab_high = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+  auto const cd_low = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13),
+             cd_high = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+  q[0].v = __builtin_shufflevector(ab_low, cd_low, 0, 1, 8, 9, 4, 5, 12, 13);
+  q[1].v = __builtin_shufflevector(ab_low, cd_low, 2, 3, 10, 11, 6, 7, 14, 15);
+  q[2].v = __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13);
+  q[3].v = __builtin_shufflevector(ab_high, cd_high, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 }  // namespace detail
-MPMPBD_INLINE void to_lanes(Vec<Pack<float>, 4> const& a, Quad<float> (&q)[4]) {
-  for (int l = 0; l < 4; ++l) q[l].v = a[l].v;
-  detail::transpose_lanes(q[0].v, q[1].v, q[2].v, q[3].v);
+MPMPBD_WIDE void to_lanes(Vec<Pack<float>, 4> const& a, Quad<float> (&q)[8]) {
+  Pack<float> t[4] = {a.m[0], a.m[1], a.m[2], a.m[3]};
+  detail::transpose_halves(t);
+  for (int l = 0; l < 4; ++l) q[l] = low_half(t[l]), q[l + 4] = high_half(t[l]);
 }
-MPMPBD_INLINE Vec<Pack<float>, 4> from_lanes(Quad<float> const (&q)[4]) {
-  auto a = q[0].v, b = q[1].v, c = q[2].v, d = q[3].v;
-  detail::transpose_lanes(a, b, c, d);
-  return {{a, b, c, d}};
+MPMPBD_WIDE Vec<Pack<float>, 4> from_lanes(Quad<float> const (&q)[8]) {
+  Vec<Pack<float>, 4> t;
+  for (int l = 0; l < 4; ++l) t.m[l] = both(q[l], q[l + 4]);
+  detail::transpose_halves(t.m);
+  return t;
 }
 #endif
 

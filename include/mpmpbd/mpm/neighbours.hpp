@@ -1,4 +1,4 @@
-// Neighbouring nodes along x that are computed at once: one, everywhere.
+// Neighbouring nodes along x that are computed at once: one, or two where vectors hold eight floats.
 //
 // Scatter and gather take the columns of a stencil (all its nodes with the same x) one after the other,
 // or as many at once as the grid says. Every sum has the same order either way, so the bits are equal.
@@ -23,10 +23,48 @@ template <class T> struct OneNode {
   MPMPBD_INLINE static Quad<T> add(Quad<T> const& sum, Values const& a) { return sum + a; }
 };
 
-// Calls f(nodes, first) for the columns of a stencil.
+#if defined(MPMPBD_HAS_PACKS)
+// Two neighbours: eight numbers.
+struct TwoNodes {
+  static constexpr int count = 2;
+  using Values = Pack<float>;
+
+  MPMPBD_WIDE static Values each(float const* of_node) {
+    float const a = of_node[0], b = of_node[1];
+    return Values::Lanes{a, a, a, a, b, b, b, b};
+  }
+  MPMPBD_WIDE static Values numbered(int first) {
+    float const n[2] = {static_cast<float>(first), static_cast<float>(first + 1)};
+    return each(n);
+  }
+  MPMPBD_WIDE static Values all(Quad<float> const& q) { return both(q, q); }
+  MPMPBD_WIDE static Values load(Quad<float> const* row, int first) {
+    return Values::load(reinterpret_cast<float const*>(row + first));
+  }
+  MPMPBD_WIDE static Quad<float> add(Quad<float> const& sum, Values const& a) {
+    return (sum + low_half(a)) + high_half(a);
+  }
+};
+#endif
+
+// Whether a grid is read and added to two neighbours at a time.
+template <class Grid>
+inline constexpr bool in_pairs = [] {
+  if constexpr (requires { Grid::in_pairs; })
+    return bool(Grid::in_pairs);
+  else
+    return false;
+}();
+
+// Calls f(nodes, first) for all columns of a stencil, in their order.
 template <class Grid, class T, int width, class Function>
 MPMPBD_INLINE void for_columns(Function&& f) {
-  for (int i = 0; i < width; ++i) f(OneNode<T>{}, i);
+  int i = 0;
+#if defined(MPMPBD_HAS_PACKS)
+  if constexpr (in_pairs<Grid>)
+    for (; i + 2 <= width; i += 2) f(TwoNodes{}, i);
+#endif
+  for (; i < width; ++i) f(OneNode<T>{}, i);
 }
 
 }  // namespace mpmpbd

@@ -279,7 +279,8 @@ void Simulation<Scene_, Backend, T>::step(double h) {
   workspaces_.resize(static_cast<std::size_t>(outer ? backend_.lanes() : 1));
   if (outer) {
     backend_.for_each(environments(), [&](std::int64_t env, int lane) {
-      step_environment(env, h, workspaces_[static_cast<std::size_t>(lane)], Serial{});
+      step_environment(env, h, workspaces_[static_cast<std::size_t>(lane)],
+                       Serial{backend_.kernels});
     });
   } else {
     for (std::int64_t env = 0; env < environments(); ++env)
