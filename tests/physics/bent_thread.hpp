@@ -32,16 +32,19 @@ struct BentCase {
 
 struct BentResult {
   double slip_early = 0, slip_end = 0,
-         slip_most = 0;         // largest distance of tissue tracers from the thread [cells]
-  double tissue = 0;            // mean displacement of the bend along its bisector
-  double stretch = 0;           // largest strain after t = 100
-  double energy_rise = 0;       // above its running minimum, relative
+         slip_most = 0;  // largest distance of tissue tracers from the thread [cells]
+  double slide_early = 0, slide_end = 0;  // of the thread along itself, at the same times [cells]
+  double tissue = 0;                      // mean displacement of the bend along its bisector
+  double stretch = 0;                     // largest strain after t = 100
+  double energy_rise = 0;                 // above its running minimum, relative
   double pulled = 0, held = 0;  // mean tensions of the two end segments, last 30 % of the time
   bool ran_away = false;
 };
 
+inline constexpr double bent_length = 10 + mpmpbd::pi<double>, bend_radius = 2;
+
 inline Vec3<double> bent_path(double s) {
-  double const R = 2, straight = 5, arc = mpmpbd::pi<double> / 2 * R, z = 5.6;
+  double const R = bend_radius, straight = 5, arc = mpmpbd::pi<double> / 2 * R, z = 5.6;
   if (s < straight) return mpmpbd::vec(5 + s, 12.1, z);
   if (s < straight + arc) {
     double const a = (s - straight) / R;
@@ -49,7 +52,6 @@ inline Vec3<double> bent_path(double s) {
   }
   return mpmpbd::vec(12.0, 10.1 - (s - straight - arc), z);
 }
-inline constexpr double bent_length = 10 + mpmpbd::pi<double>;
 
 template <class T, class Form> struct BentThread {
   BentCase c;
@@ -120,6 +122,10 @@ template <class T, class Form> struct BentThread {
     double most = 0;
     for (auto const& p : tracer) most = std::max(most, double(mpmpbd::norm(p - nearest(p))));
     return most / u.length;
+  }
+  double slide() const {
+    return 0.5 / u.length *
+           double(start.front()[0] - rig.bead.front()[0] + rig.bead.back()[1] - start.back()[1]);
   }
   double energy() const {
     double e = tissue.energy();
@@ -249,6 +255,7 @@ template <class T, class Form> struct BentThread {
       if (++steps % 10 == 0) sample();
     }
     result.slip_end = slip();
+    result.slide_end = slide();
     int bend = 0;
     for (std::size_t i = 0; i < tracer.size(); ++i)
       if (in_bend[i]) {
@@ -270,7 +277,10 @@ template <class T, class Form> struct BentThread {
     double const s = slip();
     result.ran_away |= !(s < 3);
     if (result.ran_away) return;
-    if (time >= 190 && result.slip_early == 0) result.slip_early = s;
+    if (time >= 190 && result.slip_early == 0) {
+      result.slip_early = s;
+      result.slide_early = slide();
+    }
     if (time > 60) result.slip_most = std::max(result.slip_most, s);
     if (time > 45 && c.pull == 0) {
       double const e = energy();
