@@ -51,8 +51,9 @@ template <class In> struct ExchangeImpulses {
   using Shape = typename In::Body::Shape;
   using Forces = in_slot_t<Slot::before_solve, typename In::Effects>;
   using After = in_slot_t<Slot::after_solve, typename In::Effects>;
-  using OfEffects = join_t<Forces, After>;
-  using Parts = join_t<Forces, typename Laws::Leaves, After>;
+  using OnNeedle = in_slot_t<Slot::on_needle, typename In::Effects>;
+  using OfEffects = join_t<Forces, OnNeedle, After>;
+  using Parts = join_t<Forces, OnNeedle, typename Laws::Leaves, After>;
 
   static constexpr bool stretches = detail::has_constraint<Rods, Distance>;
   static constexpr bool pins = detail::has_constraint<Rods, Pin>;
@@ -132,11 +133,12 @@ template <class In> struct ExchangeImpulses {
   }
 
  private:
-  // What acts on the thread beside tissue, needle and its own stiffness: as velocity changes.
+  // What acts on thread and needle beside tissue, each other and the thread's stiffness: as velocity changes.
   template <class Team_, class Env, class Ctx>
   MPMPBD_HD static std::uint32_t move_by_others(Team_ const& team, Env const& env,
                                                 Ctx const& context) {
     std::uint32_t faults = 0;
+    detail::apply_all_to_needle(OnNeedle{}, team, env, context);
     if constexpr (In::has_rods) {
       using Takes = typename Laws::Strategy::Takes;
       detail::apply_all_to_beads(Forces{}, team, env, context);

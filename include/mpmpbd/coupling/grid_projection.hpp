@@ -150,8 +150,9 @@ template <class In> struct ProjectNodes {
   using Strategy = typename Laws::Strategy;
   using Forces = in_slot_t<Slot::before_solve, typename In::Effects>;
   using After = in_slot_t<Slot::after_solve, typename In::Effects>;
+  using OnNeedle = in_slot_t<Slot::on_needle, typename In::Effects>;
   using OfRods = detail::RodFields<Rods>;
-  using Parts = join_t<Forces, typename OfRods::Leaves, After, typename Laws::Leaves>;
+  using Parts = join_t<Forces, OnNeedle, typename OfRods::Leaves, After, typename Laws::Leaves>;
   static constexpr bool swaged = In::has_needle && OfRods::swaged;
 
   static_assert(
@@ -171,7 +172,7 @@ template <class In> struct ProjectNodes {
   using NeedleFields =
       union_t<needle::State, Fields<needle::Force, needle::Moment, needle::PeakForce,
                                     needle::Recoil, needle::RecoilMoment>>;
-  using OfEffects = join_t<Forces, After>;
+  using OfEffects = join_t<Forces, OnNeedle, After>;
   using Reads =
       union_t<Fields<node::Velocity, node::Mass>, typename OfRods::Reads,
               if_t<In::has_rods, Fields<bead::Recoil>>, if_t<In::has_needle, NeedleFields>,
@@ -187,6 +188,7 @@ template <class In> struct ProjectNodes {
     std::uint32_t faults = 0;
     if constexpr (In::has_needle) team.one([&] { kick_needle(env, context); });
     team.sync();
+    detail::apply_all_to_needle(OnNeedle{}, team, env, context);
     if constexpr (In::has_rods) faults |= move_thread(team, env, context);
     // One lane, line by line and node by node: a node may belong to two lines.
     team.one([&] {

@@ -16,11 +16,12 @@ enum class Slot {
   at_boundary,     // a node, after all forces: walls and pinned regions
   after_gather,    // a particle, after x and F are new
   before_solve,    // a bead: forces, as velocity changes
+  on_needle,       // a needle that moves freely: forces, as velocity changes
   after_solve,     // a bead; may read but not move it
 };
 
-// An effect that acts on grid and beads alike (gravity) names its second half: `using OnBeads = ...`, an
-// effect of slot before_solve that declares `using ParametersOf = TheEffect`.
+// An effect that acts on grid, beads and needle alike (gravity) names its other parts: `OnBeads`, an effect of
+// slot before_solve, and `OnNeedle`, one of slot on_needle; both declare `using ParametersOf = TheEffect`.
 namespace detail {
 template <class E> struct ParameterOwner { using type = E; };
 template <class E>

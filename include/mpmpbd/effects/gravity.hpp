@@ -4,11 +4,12 @@
 #include <array>
 
 #include <mpmpbd/effects/concepts.hpp>
+#include <mpmpbd/needle/fields.hpp>
 #include <mpmpbd/pbd/fields.hpp>
 
 namespace mpmpbd {
 
-// Acts on the grid, and on the beads of threads where the scene has any. Exact for a constant g: after
+// Acts on the grid, and on beads of threads and a free needle where the scene has any. Exact for a constant g: after
 // n steps of symplectic Euler, x = g dt^2 n (n + 1) / 2.
 struct Gravity {
   using Role = role::Effect;
@@ -41,6 +42,21 @@ struct Gravity {
     MPMPBD_HD static void apply(Item& bead, K const& k, Tick<T> const& tick) {
       if (!(bead[bead::InverseMass{}] > T(0))) return;
       for (int a = 0; a < 3; ++a) bead[bead::Velocity{}][a] += tick.dt * k.g[a];
+    }
+  };
+
+  // Every point of the needle gains the same velocity: it does not turn, wherever its centre of mass is.
+  struct OnNeedle {
+    using Role = role::Effect;
+    using ParametersOf = Gravity;
+    static constexpr FixedString name = "gravity on the needle";
+    static constexpr Slot slot = Slot::on_needle;
+    using Reads = Fields<needle::LinearVelocity>;
+    using Writes = Fields<needle::LinearVelocity>;
+
+    template <class Item, class K, class T>
+    MPMPBD_HD static void apply(Item& needle, K const& k, Tick<T> const& tick) {
+      for (int a = 0; a < 3; ++a) needle[needle::LinearVelocity{}][a] += tick.dt * k.g[a];
     }
   };
 };

@@ -1,29 +1,35 @@
 // The stage of a scene's threads when no coupling moves them: forces, predict, solve, finish.
 #pragma once
 
+#include <mpmpbd/needle/fields.hpp>
 #include <mpmpbd/pbd/body.hpp>
 #include <mpmpbd/scene/stage.hpp>
 
 namespace mpmpbd {
 
 namespace detail {
-// Applies one effect to every bead.
-template <class E, class Team, class Env, class Ctx>
-MPMPBD_HD void apply_to_beads(Team const& team, Env const& env, Ctx const& context) {
+// Applies one effect to every item of a domain.
+template <class Domain, class E, class Team, class Env, class Ctx>
+MPMPBD_HD void apply_to_each(Team const& team, Env const& env, Ctx const& context) {
   using T = typename Env::Scalar;
   using Used = union_t<typename E::Reads, typename E::Writes>;
-  team.each(static_cast<int>(env.template live<Beads>()), [&](std::int64_t b) {
+  team.each(static_cast<int>(env.template live<Domain>()), [&](std::int64_t i) {
     Local<T, Used> item;
-    item.load(env, b, stored_t<Used>{});
+    item.load(env, i, stored_t<Used>{});
     E::apply(item, context.template of<parameter_owner_t<E>>(), context.tick);
-    item.store(env, b, stored_t<typename E::Writes>{});
+    item.store(env, i, stored_t<typename E::Writes>{});
   });
   team.sync();
 }
 template <class... Es, class Team, class Env, class Ctx>
 MPMPBD_HD void apply_all_to_beads(TypeList<Es...>, Team const& team, Env const& env,
                                   Ctx const& context) {
-  (apply_to_beads<Es>(team, env, context), ...);
+  (apply_to_each<Beads, Es>(team, env, context), ...);
+}
+template <class... Es, class Team, class Env, class Ctx>
+MPMPBD_HD void apply_all_to_needle(TypeList<Es...>, Team const& team, Env const& env,
+                                   Ctx const& context) {
+  (apply_to_each<Needles, Es>(team, env, context), ...);
 }
 }  // namespace detail
 

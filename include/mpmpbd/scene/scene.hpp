@@ -45,7 +45,7 @@ struct BodyStages<In, false> {
   using type = TypeList<MoveRods<typename In::Rods, typename In::Effects>>;
 };
 
-// Effects of a scene, and the second halves of those that act on beads too when there are any.
+// Effects of a scene, and the other parts of those that act on beads and a free needle too, where there are any.
 template <class Effects, bool beads> struct WithBeads { using type = Effects; };
 template <class E> struct OnBeadsOf { using type = TypeList<>; };
 template <class E>
@@ -55,6 +55,18 @@ struct OnBeadsOf<E> {
 };
 template <class... Es> struct WithBeads<TypeList<Es...>, true> {
   using type = join_t<TypeList<Es...>, typename OnBeadsOf<Es>::type...>;
+};
+template <class Effects, class Needle> struct WithNeedle { using type = Effects; };
+template <class E> struct OnNeedleOf { using type = TypeList<>; };
+template <class E>
+  requires requires { typename E::OnNeedle; }
+struct OnNeedleOf<E> {
+  using type = TypeList<typename E::OnNeedle>;
+};
+template <class... Es, class Needle>
+  requires(Needle::is_dynamic)
+struct WithNeedle<TypeList<Es...>, Needle> {
+  using type = join_t<TypeList<Es...>, typename OnNeedleOf<Es>::type...>;
 };
 
 // What a coupling asks of the tissue by effects of its own; they act after those of the scene.
@@ -162,7 +174,9 @@ template <class... Parts> struct Scene {
       "the surface out");
 
   using Effects =
-      join_t<typename detail::WithBeads<of_role_t<role::Effect, Parts...>, has_rods>::type,
+      join_t<typename detail::WithNeedle<
+                 typename detail::WithBeads<of_role_t<role::Effect, Parts...>, has_rods>::type,
+                 Needle>::type,
              typename detail::EffectsOf<Coupling>::type>;
   static_assert(detail::check_effects(Effects{}));
   using In = SceneParts<Body, Rods, Needle, Surface, Coupling, Effects>;
