@@ -66,7 +66,7 @@ int main() {
     std::printf("%s: %s (%.3g)\n", ok ? "pass" : "FAIL", what, value);
     (ok ? passed : failed) += 1;
   };
-  auto serial = make_run(0.93), loose = make_run(1.0);
+  auto serial = make_run(0.975), loose = make_run(1.0);
   test::OnDevice<Squeezed> device(serial, dt, substeps), narrow(serial, dt, substeps);
   device.step<512>();
   narrow.step<128>();
@@ -80,7 +80,8 @@ int main() {
     worst = std::fmax(worst, std::fabs(double(v[std::size_t(k)] - here)));
     slowed = std::fmax(slowed, double(loose.state().get<bead::Velocity>(0, k)[0] - here));
   }
-  check(slowed > 0.03, "the squeeze slows the thread on the host [m/s]", slowed);
+  check(slowed > 0.03 && slowed < 0.25, "the squeeze slows the sliding thread on the host [m/s]",
+        slowed);
   check(worst < 0.02 * slowed, "and on the device as much [m/s]", worst);
   check(std::memcmp(v.data(), thin.data(), v.size() * sizeof(float)) == 0,
         "512 and 128 threads give the same bits", 0);
