@@ -5,6 +5,8 @@
 // The thread sticks to the tissue, as such a line does.
 #pragma once
 
+#include <algorithm>
+
 #include "physics/tissue_block.hpp"
 
 namespace test {
@@ -12,6 +14,11 @@ namespace test {
 // Loss of sag under a dead load of EI = 16, dt 0.02; computed again by
 // `test_physics_coupling_bent_reference_long`.
 inline constexpr double dead_load_straightens = 0.2533;
+
+// An arc pulls at the tissue with a couple at each end, which the grid sees only as two forces one segment
+// apart. A wave A cos^4(pi s/L) has neither moment nor shear at its ends: its load is spread, with a
+// wavelength of 6 cells, and its answer is a matter of EI alone.
+enum class Rest { arc, wave };
 
 enum class Bend { in_solve, before_solve, explicit_before, dead_load };
 
@@ -21,6 +28,7 @@ struct BendCase {
   double bead_mass = 1e-4, dt = 0.1, end = 100;
   int segments = 6;
   Bend how = Bend::in_solve;
+  Rest rest = Rest::arc;
 };
 struct BendResult {
   double straightened = 0;  // loss of sag of the tissue along the thread [cells]
@@ -28,13 +36,45 @@ struct BendResult {
   bool ran_away = false;
 };
 
+inline std::vector<Vec3<double>> arc_line(int segments) {
+  std::vector<Vec3<double>> line;
+  for (int k = 0; k <= segments; ++k) {
+    double const a = (10 + 70.0 * k / segments) * mpmpbd::pi<double> / 180;
+    line.push_back(mpmpbd::vec(5.5 + 4 * std::cos(a), 5.5 + 4 * std::sin(a), 5.6));
+  }
+  return line;
+}
+// Beads at equal distances along the wave, found by marching along it in small steps.
+inline std::vector<Vec3<double>> wave_line(int segments) {
+  auto const at = [](double x) {
+    double const c = std::cos(mpmpbd::pi<double> * (x - 11) / 12);
+    return mpmpbd::vec(x, 7.6 + 1.5 * c * c * c * c, 5.6);
+  };
+  std::vector<Vec3<double>> fine;
+  std::vector<double> travelled;
+  for (int i = 0; i <= 12000; ++i) {
+    fine.push_back(at(5 + 1e-3 * i));
+    travelled.push_back(i == 0 ? 0
+                               : travelled.back() +
+                                     mpmpbd::norm(fine[std::size_t(i)] - fine[std::size_t(i) - 1]));
+  }
+  std::vector<Vec3<double>> line;
+  for (int k = 0; k <= segments; ++k) {
+    auto const next = std::lower_bound(travelled.begin(), travelled.end(),
+                                       (1 - 1e-12) * travelled.back() * k / segments);
+    line.push_back(fine[std::size_t(next - travelled.begin())]);
+  }
+  return line;
+}
+
 template <class T> struct BentRest {
   using Q = mpmpbd::QuadraticBSpline;
   using Bending = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, true>;
   using Limp = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, false>;
   int segments;
   BendCase c;
-  Rig<T, Bending> rig{17, 17, 12};
+  double const width = c.rest == Rest::wave ? 14 : 8;  // of the block along x
+  Rig<T, Bending> rig{int(width) + 9, 17, 12};
   Tissue<T> tissue;
   std::vector<Vec3<T>> line;    // tissue points where the beads were: carries the dead load
   std::vector<Vec3<T>> tracer;  // tissue points where the thread held the tissue first
@@ -43,14 +83,12 @@ template <class T> struct BentRest {
   explicit BentRest(BendCase const& c_) : segments(c_.segments), c(c_) {
     tissue.dt = rig.dt = rig.previous_dt = T(c.dt);
     tissue.damping = T(0.3);
-    tissue.fill(mpmpbd::vec(4.0, 4.0, 3.0), mpmpbd::vec(12.0, 12.0, 8.0), 0.4);
+    tissue.fill(mpmpbd::vec(4.0, 4.0, 3.0), mpmpbd::vec(4 + width, 12.0, 8.0), 0.4);
     tissue.fixed.assign(rig.mass.size(), 0);
-    for (std::size_t i = 0; i < 17 * 17 * 4; ++i) tissue.fixed[i] = 1;  // the floor
-    for (int k = 0; k <= segments; ++k) {
-      double const a = (10 + 70.0 * k / segments) * mpmpbd::pi<double> / 180;
-      rig.add_bead(mpmpbd::vec(T(5.5 + 4 * std::cos(a)), T(5.5 + 4 * std::sin(a)), T(5.6)),
-                   T(c.bead_mass));
-    }
+    auto const layer = rig.mass.size() / 12;
+    for (std::size_t i = 0; i < 4 * layer; ++i) tissue.fixed[i] = 1;  // the floor
+    for (auto const& x : c.rest == Rest::wave ? wave_line(segments) : arc_line(segments))
+      rig.add_bead(mpmpbd::cast<T>(x), T(c.bead_mass));
     rig.allocate();
     rig.stretch_compliance = T(1 / c.stretch);
     rig.friction = {T(1e3), T(1e3)};
@@ -158,14 +196,16 @@ template <class T> struct BentRest {
       for (auto& p : line) p += rig.dt * Tissue<T>::velocity_at(rig, p);
       for (auto& p : tracer) p += rig.dt * Tissue<T>::velocity_at(rig, p);
       tissue.gather(rig);
-      for (auto const& p : rig.bead)
-        r.ran_away |= !(mpmpbd::norm(p - mpmpbd::vec(T(8), T(8), T(5.6))) < T(6));
-      for (auto const& p : tracer)
-        r.ran_away |= !(mpmpbd::norm(p - mpmpbd::vec(T(8), T(8), T(5.6))) < T(6));
+      for (auto const& p : rig.bead) r.ran_away |= !near_the_block(p);
+      for (auto const& p : tracer) r.ran_away |= !near_the_block(p);
     }
     r.straightened = before - sag();
     for (auto const& p : tracer) r.slip = std::max(r.slip, double(distance(p)));
     return r;
+  }
+  bool near_the_block(Vec3<T> const& p) const {
+    Vec3<double> const middle = mpmpbd::vec(4 + width / 2, 8.0, 5.6);
+    return mpmpbd::norm(mpmpbd::cast<double>(p) - middle) < 2 + width / 2;
   }
   T distance(Vec3<T> const& p) const {
     T far = T(1e9);
