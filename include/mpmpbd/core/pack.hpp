@@ -25,6 +25,8 @@ template <class T> using lane_t = typename LaneOf<T>::type;
 template <Real T> MPMPBD_INLINE T lane(T a, int) { return a; }
 
 #if defined(MPMPBD_HAS_PACKS)
+template <class S> concept Arithmetic = std::is_arithmetic_v<S>;
+
 template <class T> struct Pack;
 
 // A type that moves by a function of its own is passed by reference: what holds 32 bytes by value depends
@@ -39,54 +41,53 @@ template <> struct Pack<float> {
   MPMPBD_INLINE Pack(Pack&& b) noexcept : v(b.v) {}
   Pack& operator=(Pack const&) = default;
   MPMPBD_WIDE Pack(Lanes const& lanes_) : v(lanes_) {}
-  template <class S>
-    requires std::is_arithmetic_v<S> MPMPBD_WIDE Pack(S s) : v(static_cast<float>(s) - Lanes{}) {}
+  template <Arithmetic S> MPMPBD_WIDE Pack(S s) : v(static_cast<float>(s) - Lanes{}) {}
 
-    // Eight floats in a row, wherever they start.
-    MPMPBD_WIDE static Pack load(float const* from) {
-      return Lanes(*reinterpret_cast<Loose const*>(from));
-    }
-    MPMPBD_WIDE void store(float* to) const { *reinterpret_cast<Loose*>(to) = v; }
+  // Eight floats in a row, wherever they start.
+  MPMPBD_WIDE static Pack load(float const* from) {
+    return Lanes(*reinterpret_cast<Loose const*>(from));
+  }
+  MPMPBD_WIDE void store(float* to) const { *reinterpret_cast<Loose*>(to) = v; }
 
-    MPMPBD_WIDE Pack& operator+=(Pack const& b) {
-      v += b.v;
-      return *this;
-    }
-    MPMPBD_WIDE Pack& operator-=(Pack const& b) {
-      v -= b.v;
-      return *this;
-    }
-    MPMPBD_WIDE Pack& operator*=(Pack const& b) {
-      v *= b.v;
-      return *this;
-    }
-    friend MPMPBD_WIDE Pack operator+(Pack const& a, Pack const& b) { return a.v + b.v; }
-    friend MPMPBD_WIDE Pack operator-(Pack const& a, Pack const& b) { return a.v - b.v; }
-    friend MPMPBD_WIDE Pack operator*(Pack const& a, Pack const& b) { return a.v * b.v; }
-    friend MPMPBD_WIDE Pack operator/(Pack const& a, Pack const& b) { return a.v / b.v; }
-    friend MPMPBD_WIDE Pack operator-(Pack const& a) { return -a.v; }
+  MPMPBD_WIDE Pack& operator+=(Pack const& b) {
+    v += b.v;
+    return *this;
+  }
+  MPMPBD_WIDE Pack& operator-=(Pack const& b) {
+    v -= b.v;
+    return *this;
+  }
+  MPMPBD_WIDE Pack& operator*=(Pack const& b) {
+    v *= b.v;
+    return *this;
+  }
+  friend MPMPBD_WIDE Pack operator+(Pack const& a, Pack const& b) { return a.v + b.v; }
+  friend MPMPBD_WIDE Pack operator-(Pack const& a, Pack const& b) { return a.v - b.v; }
+  friend MPMPBD_WIDE Pack operator*(Pack const& a, Pack const& b) { return a.v * b.v; }
+  friend MPMPBD_WIDE Pack operator/(Pack const& a, Pack const& b) { return a.v / b.v; }
+  friend MPMPBD_WIDE Pack operator-(Pack const& a) { return -a.v; }
 
-    struct Condition {
-      Mask m;
-      Condition(Condition const&) = default;
-      MPMPBD_INLINE Condition(Condition&& b) noexcept : m(b.m) {}
-      Condition& operator=(Condition const&) = default;
-      MPMPBD_WIDE Condition(Mask const& mask) : m(mask) {}
-      friend MPMPBD_WIDE Condition operator!(Condition const& a) { return ~a.m; }
-      friend MPMPBD_WIDE Condition operator&&(Condition const& a, Condition const& b) {
-        return a.m & b.m;
-      }
-      friend MPMPBD_WIDE Condition operator||(Condition const& a, Condition const& b) {
-        return a.m | b.m;
-      }
-    };
-    friend MPMPBD_WIDE Condition operator<(Pack const& a, Pack const& b) { return a.v < b.v; }
-    friend MPMPBD_WIDE Condition operator>(Pack const& a, Pack const& b) { return a.v > b.v; }
-    friend MPMPBD_WIDE Condition operator<=(Pack const& a, Pack const& b) { return a.v <= b.v; }
-    friend MPMPBD_WIDE Condition operator>=(Pack const& a, Pack const& b) { return a.v >= b.v; }
+  struct Condition {
+    Mask m;
+    Condition(Condition const&) = default;
+    MPMPBD_INLINE Condition(Condition&& b) noexcept : m(b.m) {}
+    Condition& operator=(Condition const&) = default;
+    MPMPBD_WIDE Condition(Mask const& mask) : m(mask) {}
+    friend MPMPBD_WIDE Condition operator!(Condition const& a) { return ~a.m; }
+    friend MPMPBD_WIDE Condition operator&&(Condition const& a, Condition const& b) {
+      return a.m & b.m;
+    }
+    friend MPMPBD_WIDE Condition operator||(Condition const& a, Condition const& b) {
+      return a.m | b.m;
+    }
+  };
+  friend MPMPBD_WIDE Condition operator<(Pack const& a, Pack const& b) { return a.v < b.v; }
+  friend MPMPBD_WIDE Condition operator>(Pack const& a, Pack const& b) { return a.v > b.v; }
+  friend MPMPBD_WIDE Condition operator<=(Pack const& a, Pack const& b) { return a.v <= b.v; }
+  friend MPMPBD_WIDE Condition operator>=(Pack const& a, Pack const& b) { return a.v >= b.v; }
 
-   private:
-    typedef float Loose __attribute__((vector_size(32), aligned(4), may_alias));
+ private:
+  typedef float Loose __attribute__((vector_size(32), aligned(4), may_alias));
 };
 template <> inline constexpr int lanes<Pack<float>> = 8;
 template <> struct LaneOf<Pack<float>> { using type = float; };
