@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "physics/tissue_block.hpp"
+#include "physics/units.hpp"
 
 namespace test {
 
@@ -22,6 +23,7 @@ enum class Rest { arc, wave };
 
 enum class Bend { in_solve, before_solve, explicit_before, dead_load };
 
+// All numbers in Units of the tissue; bead masses in those of a full grid node.
 struct BendCase {
   double stiffness = 4;  // EI
   double stretch = 20;   // EA
@@ -29,13 +31,15 @@ struct BendCase {
   int segments = 6;
   Bend how = Bend::in_solve;
   Rest rest = Rest::arc;
+  Units unit{};
 };
 struct BendResult {
   double straightened = 0;  // loss of sag of the tissue along the thread [cells]
-  double slip = 0;          // largest distance of tissue tracers from the thread
+  double slip = 0;          // largest distance of tissue tracers from the thread [cells]
   bool ran_away = false;
 };
 
+// In cells.
 inline std::vector<Vec3<double>> arc_line(int segments) {
   std::vector<Vec3<double>> line;
   for (int k = 0; k <= segments; ++k) {
@@ -44,7 +48,7 @@ inline std::vector<Vec3<double>> arc_line(int segments) {
   }
   return line;
 }
-// Beads at equal distances along the wave, found by marching along it in small steps.
+// Beads at equal distances along the wave [cells], found by marching along it in small steps.
 inline std::vector<Vec3<double>> wave_line(int segments) {
   auto const at = [](double x) {
     double const c = std::cos(mpmpbd::pi<double> * (x - 11) / 12);
@@ -73,37 +77,53 @@ template <class T> struct BentRest {
   using Limp = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::NoDrag, false>;
   int segments;
   BendCase c;
-  double const width = c.rest == Rest::wave ? 14 : 8;  // of the block along x
-  Rig<T, Bending> rig{int(width) + 9, 17, 12};
+  Units const& u = c.unit;
+  double const width = c.rest == Rest::wave ? 14 : 8;  // of the block along x [cells]
+  Rig<T, Bending> rig{int(width) + 9, 17, 12, T(u.length)};
   Tissue<T> tissue;
   std::vector<Vec3<T>> line;    // tissue points where the beads were: carries the dead load
   std::vector<Vec3<T>> tracer;  // tissue points where the thread held the tissue first
   std::vector<char> limp_memory;
 
   explicit BentRest(BendCase const& c_) : segments(c_.segments), c(c_) {
-    tissue.dt = rig.dt = rig.previous_dt = T(c.dt);
-    tissue.damping = T(0.3);
-    tissue.fill(mpmpbd::vec(4.0, 4.0, 3.0), mpmpbd::vec(4 + width, 12.0, 8.0), 0.4);
+    fill_tissue();
+    add_thread();
+  }
+  void fill_tissue() {
+    tissue.dx = T(u.length);
+    tissue.density = rig.rest_density = T(u.density);
+    tissue.mu = T(u.modulus);
+    tissue.lambda = T(2 * u.modulus);
+    tissue.dt = rig.dt = rig.previous_dt = T(c.dt * u.time());
+    tissue.damping = T(0.3 / u.time());
+    tissue.fill(u.length * mpmpbd::vec(4.0, 4.0, 3.0), u.length * mpmpbd::vec(4 + width, 12.0, 8.0),
+                0.4);
     tissue.fixed.assign(rig.mass.size(), 0);
     auto const layer = rig.mass.size() / 12;
     for (std::size_t i = 0; i < 4 * layer; ++i) tissue.fixed[i] = 1;  // the floor
+  }
+  void add_thread() {
     for (auto const& x : c.rest == Rest::wave ? wave_line(segments) : arc_line(segments))
-      rig.add_bead(mpmpbd::cast<T>(x), T(c.bead_mass));
+      rig.add_bead(mpmpbd::cast<T>(u.length * x), T(c.bead_mass * u.mass()));
     rig.allocate();
-    rig.stretch_compliance = T(1 / c.stretch);
-    rig.friction = {T(1e3), T(1e3)};
-    rig.bending_stiffness = T(c.stiffness);
+    rig.stretch_compliance = T(1 / (c.stretch * u.force()));
+    rig.friction = {T(1e3), T(1e3 * u.modulus)};
+    bend(1);
     line = rig.bead;
     for (std::size_t k = 0; k + 1 < line.size(); ++k)
       for (T s : {T(0.2113), T(0.7887)}) tracer.push_back((1 - s) * line[k] + s * line[k + 1]);
     limp_memory.assign(mpmpbd::exchange_bytes<T, Limp>(rig.capacity()), 0);
   }
-  // Distance of the middle of the line from its chord.
+  // Gives the thread a share of its EI.
+  void bend(double share) {
+    rig.bending_stiffness = T(share * c.stiffness * u.force() * u.length * u.length);
+  }
+  // Distance of the middle of the line from its chord [cells].
   double sag() const {
     auto const d = tracer.back() - tracer.front();
     auto const n = tracer.size();
     auto const m = T(0.5) * (tracer[n / 2 - 1] + tracer[n / 2]) - tracer.front();
-    return double(mpmpbd::norm(m - mpmpbd::dot(m, d) / mpmpbd::dot(d, d) * d));
+    return double(mpmpbd::norm(m - mpmpbd::dot(m, d) / mpmpbd::dot(d, d) * d)) / u.length;
   }
   // Bending forces of a polyline, for the schemes that apply them as forces.
   std::vector<Vec3<T>> forces(std::vector<Vec3<T>>& of) {
@@ -123,7 +143,7 @@ template <class T> struct BentRest {
   void add_stretch(std::vector<Vec3<T>> const& of, std::vector<Vec3<T>>& f) const {
     for (std::size_t k = 0; k + 1 < of.size(); ++k) {
       Vec3<T> const d = of[k + 1] - of[k];
-      T const l = mpmpbd::norm(d), pull = T(c.stretch) * (l / rig.rest_length[k] - 1);
+      T const l = mpmpbd::norm(d), pull = T(c.stretch * u.force()) * (l / rig.rest_length[k] - 1);
       f[k] += pull / l * d;
       f[k + 1] -= pull / l * d;
     }
@@ -179,15 +199,14 @@ template <class T> struct BentRest {
     BendResult r;
     double const before = sag();
     for (double t = 0; t < c.end && !r.ran_away; t += c.dt) {
-      rig.bending_stiffness =
-          T(c.stiffness * std::min(1.0, t / 40));  // slowly: no slip from a jerk
+      bend(std::min(1.0, t / 40));  // slowly: no slip from a jerk
       tissue.scatter(rig);
       if (c.how == Bend::dead_load) push_tissue();
       if (c.how == Bend::before_solve) bend_thread_alone();
       if (c.how == Bend::explicit_before) {
         auto const f = forces(rig.bead);
         for (std::size_t k = 0; k < f.size(); ++k)
-          rig.bead_velocity[k] += T(c.dt / c.bead_mass) * f[k];
+          rig.bead_velocity[k] += rig.dt / rig.bead_mass[k] * f[k];
       }
       if (c.how == Bend::in_solve)
         r.ran_away = !exchange_as<Bending>(rig.memory.data());
@@ -200,19 +219,20 @@ template <class T> struct BentRest {
       for (auto const& p : tracer) r.ran_away |= !near_the_block(p);
     }
     r.straightened = before - sag();
-    for (auto const& p : tracer) r.slip = std::max(r.slip, double(distance(p)));
+    for (auto const& p : tracer) r.slip = std::max(r.slip, double(distance(p)) / u.length);
     return r;
   }
   bool near_the_block(Vec3<T> const& p) const {
     Vec3<double> const middle = mpmpbd::vec(4 + width / 2, 8.0, 5.6);
-    return mpmpbd::norm(mpmpbd::cast<double>(p) - middle) < 2 + width / 2;
+    return mpmpbd::norm(1 / u.length * mpmpbd::cast<double>(p) - middle) < 2 + width / 2;
   }
   T distance(Vec3<T> const& p) const {
     T far = T(1e9);
     for (std::size_t k = 0; k + 1 < rig.bead.size(); ++k) {
       Vec3<T> const d = rig.bead[k + 1] - rig.bead[k];
-      T const u = mpmpbd::clamp(mpmpbd::dot(p - rig.bead[k], d) / mpmpbd::dot(d, d), T(0), T(1));
-      far = mpmpbd::min(far, mpmpbd::norm(p - rig.bead[k] - u * d));
+      T const along =
+          mpmpbd::clamp(mpmpbd::dot(p - rig.bead[k], d) / mpmpbd::dot(d, d), T(0), T(1));
+      far = mpmpbd::min(far, mpmpbd::norm(p - rig.bead[k] - along * d));
     }
     return far;
   }

@@ -13,7 +13,7 @@ using Dragged = mpmpbd::EmbeddedForm<Q, mpmpbd::NoFriction, mpmpbd::Drag, false>
 using Both = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::Drag, false>;
 
 NeedleCase const base{.top = 7, .damping = 0.1};
-constexpr double length = 4;  // of needle in tissue
+constexpr double length = 4;  // of needle in tissue [cells]
 
 struct Pull {
   double axial = 0, lateral = 0;
@@ -42,7 +42,7 @@ TEST_CASE("friction is mu times the lateral load", "[coupling][friction]") {
   for (double mu : {0.05, 0.2, 0.4})
     for (double shift : {0.2, 0.4}) {
       NeedleInBlock<double, Rough> block(base);
-      block.rig.friction = {mu, 0};
+      block.rub(mu, 0);
       Pull const f = draw(block, shift, 0.02, 80);
       double const x = mu * f.lateral, y = f.axial;
       CAPTURE(mu, shift, f.lateral, f.axial, y / x);
@@ -61,7 +61,7 @@ TEST_CASE("clamp pressure adds mu times pressure times area", "[coupling][fricti
     NeedleCase c = base;
     c.pressure = squeeze;
     NeedleInBlock<double, Rough> block(c);
-    block.rig.friction = {0.3, 0.2};
+    block.rub(0.3, 0.2);
     Pull const f = draw(block, 0, 0.02, 80);
     double const expected =
         0.3 * std::max(0.0, 0.2 + squeeze) * 2 * mpmpbd::pi<double> * 0.1 * length;
@@ -75,7 +75,7 @@ TEST_CASE("drag is proportional to speed for any time step", "[coupling][drag]")
     NeedleCase c = base;
     c.dt = dt;
     NeedleInBlock<double, Dragged> block(c);
-    block.rig.drag = {1.0};
+    block.drag(1);
     Pull const f = draw(block, 0, 0.02, 70);
     CAPTURE(dt, f.axial / (0.02 * length));
     CHECK(std::abs(f.axial / (0.02 * length) - 1) < 0.01);
@@ -84,8 +84,8 @@ TEST_CASE("drag is proportional to speed for any time step", "[coupling][drag]")
 
 TEST_CASE("friction and drag add up", "[coupling][drag][friction]") {
   NeedleInBlock<double, Both> block(base);
-  block.rig.friction = {0.3, 0.2};
-  block.rig.drag = {1.0};
+  block.rub(0.3, 0.2);
+  block.drag(1);
   Pull const f = draw(block, 0, 0.02, 80);
   double const expected = 0.3 * 0.2 * 2 * mpmpbd::pi<double> * 0.1 * length + 0.02 * length;
   CHECK(std::abs(f.axial / expected - 1) < 0.01);
@@ -95,7 +95,7 @@ TEST_CASE("friction and drag add up", "[coupling][drag][friction]") {
 TEST_CASE("sawing does not pump the tissue", "[coupling][friction][saw]") {
   for (double shift : {0.0, 0.3}) {
     NeedleInBlock<double, Rough> block(base);
-    block.rig.friction = {0.2, 0.5};
+    block.rub(0.2, 0.5);
     double const speed = 0.05, half = 1.0, period = 4 * half / speed;
     double const moving = shift > 0 ? shift / 0.01 : 0;
     while (block.time < moving) block.step(mpmpbd::vec(0.01, 0.0, 0.0));
@@ -103,7 +103,7 @@ TEST_CASE("sawing does not pump the tissue", "[coupling][friction][saw]") {
     auto const middle = [&] {
       double z = 0;
       for (auto const& p : block.tissue.particles) z += double(p.x[2]);
-      return z / double(block.tissue.particles.size());
+      return z / (block.u.length * double(block.tissue.particles.size()));
     };
     double loop = 0, at_cycle[11] = {}, least_force = 0, most_force = 0;
     for (int cycle = 0; cycle < 10; ++cycle) {

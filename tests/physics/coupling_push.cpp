@@ -46,24 +46,25 @@ template <class T> Spread push(double spacing, int sweeps) {
 double push_nodes(double radius, int o) {
   NeedleInBlock<double, Slippery> block({.x = 7.03 + 0.25 * (o % 4), .y = 7.03 + 0.25 * (o / 4)});
   auto& r = block.rig;
-  double const speed = 0.02;
+  auto const& u = block.u;
+  double const speed = 0.02, dt = block.c.dt;
   double sum = 0, x = block.c.x;
   int n = 0;
-  for (; block.time * speed < 0.3; block.time += block.c.dt, x += speed * block.c.dt) {
+  for (; block.time * speed < 0.3; block.time += dt, x += speed * dt) {
     block.tissue.scatter(r);
     double force = 0;
     for (int k = 0, i = 0; k < 14; ++k)
       for (int b = 0; b < 16; ++b)
         for (int a = 0; a < 16; ++a, ++i) {
           auto& v = r.velocity[std::size_t(i)];
-          double const m = r.mass[std::size_t(i)];
-          auto const away =
-              mpmpbd::vec(a + block.c.dt * v[0] - x, b + block.c.dt * v[1] - block.c.y, 0.0);
-          if (m < 1e-4 || block.tissue.fixed[std::size_t(i)] || mpmpbd::norm(away) >= radius)
+          double const m = r.mass[std::size_t(i)], step = dt / u.speed();
+          auto const away = mpmpbd::vec(a + step * v[0] - x, b + step * v[1] - block.c.y, 0.0);
+          if (m < 1e-4 * u.mass() || block.tissue.fixed[std::size_t(i)] ||
+              mpmpbd::norm(away) >= radius)
             continue;
-          auto const wanted = mpmpbd::vec(speed, 0.0, v[2]);
+          auto const wanted = mpmpbd::vec(u.speed() * speed, 0.0, v[2]);
           if (mpmpbd::dot(v - wanted, away) >= 0) continue;
-          force += m * (wanted - v)[0] / block.c.dt;
+          force += m * (wanted - v)[0] / (r.dt * u.force());
           v = wanted;
         }
     block.tissue.gather(r);

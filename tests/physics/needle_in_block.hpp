@@ -2,52 +2,74 @@
 #pragma once
 
 #include "physics/tissue_block.hpp"
+#include "physics/units.hpp"
 
 namespace test {
 
+// All numbers in Units of the tissue.
 struct NeedleCase {
   double x = 7.4, y = 7.6;     // where it passes
   double bottom = 3, top = 8;  // of the block, and of the needle
   double spacing = 0.5, dt = 0.15, damping = 0.05;
   double radius = 0.1, pressure = 0;
   int sweeps = 2;
+  Units unit{};
 };
 
 template <class T, class Form> struct NeedleInBlock {
   NeedleCase c;
-  Rig<T, Form> rig{16, 16, 14};
+  Units const& u = c.unit;
+  Rig<T, Form> rig{16, 16, 14, T(u.length)};
   Tissue<T> tissue;
-  double time = 0;
-  Vec3<double> force{};  // on the needle, of the last substep
+  double time = 0;       // [units]
+  Vec3<double> force{};  // on the needle, of the last substep [units]
   double rough = 0;      // sum of |lateral impulse| over |sum of them|
 
   explicit NeedleInBlock(NeedleCase const& c_) : c(c_) {
-    tissue.dt = rig.dt = rig.previous_dt = T(c.dt);
-    tissue.damping = T(c.damping);
-    tissue.fill(mpmpbd::vec(3.0, 3.0, c.bottom), mpmpbd::vec(12.0, 12.0, c.top), 0);
+    fill_tissue();
+    add_needle();
+  }
+  void fill_tissue() {
+    tissue.dx = T(u.length);
+    tissue.density = rig.rest_density = T(u.density);
+    tissue.mu = T(u.modulus);
+    tissue.lambda = T(2 * u.modulus);
+    tissue.dt = rig.dt = rig.previous_dt = T(c.dt * u.time());
+    tissue.damping = T(c.damping / u.time());
+    tissue.fill(u.length * mpmpbd::vec(3.0, 3.0, c.bottom),
+                u.length * mpmpbd::vec(12.0, 12.0, c.top), 0);
     tissue.fixed.assign(rig.mass.size(), 0);
     for (int k = 0, i = 0; k < 14; ++k)
       for (int b = 0; b < 16; ++b)
         for (int a = 0; a < 16; ++a, ++i)
           tissue.fixed[std::size_t(i)] = a <= 3 || a >= 12 || b <= 3 || b >= 12;
+  }
+  void add_needle() {
     int const n = static_cast<int>(std::lround((c.top - c.bottom) / c.spacing));
     std::vector<mpmpbd::ContactPoint<T>> points;
     for (int i = 0; i < n; ++i) {
       mpmpbd::ContactPoint<T> p{};
-      p.length = T((c.top - c.bottom) / n);
-      p.position = mpmpbd::vec(T(c.x), T(c.y), T(c.bottom) + (T(i) + T(0.5)) * p.length);
+      double const length = (c.top - c.bottom) / n, z = c.bottom + (i + 0.5) * length;
+      p.length = T(u.length * length);
+      p.position = mpmpbd::cast<T>(u.length * mpmpbd::vec(c.x, c.y, z));
       p.axis = mpmpbd::vec(T(0), T(0), T(1));
-      p.radius = T(c.radius);
-      p.pressure = T(c.pressure);
+      p.radius = T(u.length * c.radius);
+      p.pressure = T(u.modulus * c.pressure);
       p.segment = -1;
       points.push_back(p);
     }
     rig.allocate(points);
     rig.needle.motion = Motion::kinematic;
   }
+  // A friction coefficient with a clamp pressure, and a drag per length: both in Units.
+  void rub(double coefficient, double clamp_pressure) {
+    rig.friction = {T(coefficient), T(u.modulus * clamp_pressure)};
+  }
+  void drag(double coefficient) { rig.drag = {T(u.modulus * u.time() * coefficient)}; }
+
   // One substep at a needle velocity; the needle is endless along z, so only its sideways motion moves points.
   void step(Vec3<double> const& velocity) {
-    rig.needle.velocity = mpmpbd::cast<T>(velocity);
+    rig.needle.velocity = mpmpbd::cast<T>(u.speed() * velocity);
     tissue.scatter(rig);
     auto const x = rig.view();
     mpmpbd::Solo const team;
@@ -55,11 +77,13 @@ template <class T, class Form> struct NeedleInBlock {
     for (auto& p : rig.points) p.contact = p.coverage >= T(0.25) ? Contact::member : Contact::off;
     mpmpbd::exchange(team, x, rig.nodes(), c.sweeps);
     rig.previous_dt = rig.dt;
-    force = mpmpbd::cast<double>(mpmpbd::needle_wrench(x, rig.needle.centre).force);
+    auto const pull = mpmpbd::needle_wrench(x, rig.needle.centre).force;
+    force = 1 / u.force() * mpmpbd::cast<double>(pull);
     double sizes = 0;
     for (auto const& p : rig.points)
       sizes += std::hypot(double(p.impulse[0]), double(p.impulse[1]));
-    rough = sizes / c.dt / std::max(std::hypot(force[0], force[1]), 1e-30);
+    sizes /= double(rig.dt) * u.force();
+    rough = sizes / std::max(std::hypot(force[0], force[1]), 1e-30);
     tissue.gather(rig);
     for (auto& p : rig.points) {
       p.position[0] += rig.dt * rig.needle.velocity[0];

@@ -12,6 +12,7 @@ struct Units {
   double mass() const { return density * length * length * length; }  // of a node
   double time() const { return length * std::sqrt(density / modulus); }
   double speed() const { return length / time(); }
+  double impulse() const { return mass() * speed(); }
   double force() const { return modulus * length * length; }
   double energy() const { return force() * length; }
 };
