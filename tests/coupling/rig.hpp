@@ -38,7 +38,7 @@ template <class T, class Form_> struct Rig {
   mpmpbd::RigidBody<T> needle{};
   std::vector<mpmpbd::ContactPoint<T>> points;
   int needle_points = 0, attached_points = 0, touched_nodes = 0;
-  T dt = T(0.1), previous_dt = T(0.1), rest_density = 1;
+  T dt = T(0.1), previous_dt = T(0.1), rest_density = 0;
   T stretch_compliance = T(1e-3), bending_stiffness = 0;
   mpmpbd::parameters_t<typename Form::FrictionLaw, T> friction{};
   mpmpbd::parameters_t<typename Form::DragLaw, T> drag{};
@@ -46,7 +46,7 @@ template <class T, class Form_> struct Rig {
   std::vector<char> memory;
   std::vector<int> slots;
 
-  Rig(int nx, int ny, int nz, T dx = 1) : lattice(mpmpbd::Lattice<T>::make(dx, nx, ny, nz)) {
+  Rig(int nx, int ny, int nz, T dx) : lattice(mpmpbd::Lattice<T>::make(dx, nx, ny, nz)) {
     auto const n = static_cast<std::size_t>(lattice.count());
     mass.assign(n, T(0));
     inverse_mass.assign(n, Vec3<T>{});

@@ -1,9 +1,8 @@
 // A block of soft tissue for the coupling tests: explicit MLS-APIC with quadratic B-splines and a
 // neo-Hookean solid, written out by hand so that these tests do not depend on the scene machinery.
 //
-// Units: cell, density and shear modulus are 1 unless a test sets them, so a time of 190 is 0.1 s and a
-// force of 1 is 3.6 mN for cells of 1 mm and mu = 3.6 kPa. A test with numbers of its own sets `dx` to the
-// cell of its rig.
+// The tests that fill it speak of cell, density and shear modulus 1 and run in Units (units.hpp): for cells
+// of 1 mm and mu = 3.6 kPa a time of 190 is 0.1 s and a force of 1 is 3.6 mN.
 #pragma once
 
 #include <functional>
@@ -19,9 +18,9 @@ template <class T> struct Tissue {
     T m, volume;
   };
   std::vector<Particle> particles;
-  std::vector<char> fixed;  // nodes held by a sticky wall
-  T dt = T(0.1), mu = 1, lambda = 2, damping = 0;
-  T dx = 1, density = 1;
+  std::vector<char> fixed;                    // nodes held by a sticky wall
+  T dx = 0, density = 0, mu = 0, lambda = 0;  // dx: the cell of its rig
+  T dt = 0, damping = 0;
 
   using Q = mpmpbd::QuadraticBSpline;
   static constexpr int width = 3;
