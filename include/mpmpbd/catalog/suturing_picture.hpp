@@ -107,11 +107,12 @@ class Skin {
     auto const [iu, wu] = curve(u, x[u]);
     auto const [iv, wv] = curve(v, x[v]);
     Stencil s{};
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < 4; ++b) {
-        cell[u] = clamp(iu + static_cast<int>(a) - 1, 0, cells_[u]);
-        cell[v] = clamp(iv + static_cast<int>(b) - 1, 0, cells_[v]);
-        s[4 * a + b] = {number_[lattice_index(cell)], wu[a] * wv[b]};
+    std::size_t n = 0;
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b) {
+        cell[u] = clamp(iu + a - 1, 0, cells_[u]);
+        cell[v] = clamp(iv + b - 1, 0, cells_[v]);
+        s[n++] = {number_[lattice_index(cell)], wu[a] * wv[b]};
       }
     return s;
   }
