@@ -90,11 +90,7 @@ template <class T> struct BentRest {
     add_thread();
   }
   void fill_tissue() {
-    tissue.dx = T(u.length);
-    tissue.density = rig.rest_density = T(u.density);
-    tissue.mu = T(u.modulus);
-    tissue.lambda = T(2 * u.modulus);
-    tissue.dt = rig.dt = rig.previous_dt = T(c.dt * u.time());
+    tissue.measure_in(u, rig, c.dt, 2);
     tissue.damping = T(0.3 / u.time());
     tissue.fill(u.length * mpmpbd::vec(4.0, 4.0, 3.0), u.length * mpmpbd::vec(4 + width, 12.0, 8.0),
                 0.4);

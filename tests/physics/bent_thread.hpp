@@ -80,11 +80,7 @@ template <class T, class Form> struct BentThread {
     tracer0 = tracer;
   }
   void fill_tissue() {
-    tissue.dx = cell;
-    tissue.density = rig.rest_density = T(u.density);
-    tissue.mu = T(u.modulus);
-    tissue.lambda = T(c.lambda * u.modulus);
-    tissue.dt = rig.dt = rig.previous_dt = T(c.dt * u.time());
+    tissue.measure_in(u, rig, c.dt, c.lambda);
     tissue.fill(u.length * mpmpbd::vec(7.0, 7.0, 3.0), u.length * mpmpbd::vec(15.0, 15.0, 8.0),
                 0.4);
     tissue.fixed.assign(rig.mass.size(), 0);

@@ -31,10 +31,7 @@ struct Shaft {
     double const cell = unit.length, x = cell * (radius + 4 + off_x),
                  y = cell * (radius + 4 + off_y);
     auto const from_shaft = [=](double px, double py) { return std::hypot(px - x, py - y) / cell; };
-    tissue.dx = cell;
-    tissue.density = rig.rest_density = unit.density;
-    tissue.mu = tissue.lambda = unit.modulus;
-    tissue.dt = rig.dt = rig.previous_dt = 0.25 * unit.time();
+    tissue.measure_in(unit, rig, 0.25, 1);
     tissue.fill(cell * mpmpbd::vec(1.0, 1.0, double(below)),
                 cell * mpmpbd::vec(across - 1.0, across - 1.0, double(below + thickness)), 0,
                 [&](Vec3<double> const& p) { return from_shaft(p[0], p[1]) < radius + 1.5; });

@@ -22,11 +22,7 @@ template <class T, class Form> struct HeldLine {
 
   // `buried`: how deep the line ends in the tissue.
   HeldLine(double dt, bool clamped, double buried) : bottom(low + buried), top(high - buried) {
-    tissue.dx = T(unit.length);
-    tissue.density = rig.rest_density = T(unit.density);
-    tissue.mu = T(unit.modulus);
-    tissue.lambda = 2 * tissue.mu;
-    tissue.dt = rig.dt = rig.previous_dt = T(dt * unit.time());
+    tissue.measure_in(unit, rig, dt, 2);
     auto const corner = [&](double a) { return unit.length * mpmpbd::vec(a, a, a); };
     tissue.fill(corner(low), corner(high), 0.4);
     tissue.fixed.assign(rig.mass.size(), 0);

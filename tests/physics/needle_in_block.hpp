@@ -30,11 +30,7 @@ template <class T, class Form> struct NeedleInBlock {
     add_needle();
   }
   void fill_tissue() {
-    tissue.dx = T(u.length);
-    tissue.density = rig.rest_density = T(u.density);
-    tissue.mu = T(u.modulus);
-    tissue.lambda = T(2 * u.modulus);
-    tissue.dt = rig.dt = rig.previous_dt = T(c.dt * u.time());
+    tissue.measure_in(u, rig, c.dt, 2);
     tissue.damping = T(c.damping / u.time());
     tissue.fill(u.length * mpmpbd::vec(3.0, 3.0, c.bottom),
                 u.length * mpmpbd::vec(12.0, 12.0, c.top), 0);

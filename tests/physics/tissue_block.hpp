@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "coupling/rig.hpp"
+#include "physics/units.hpp"
 
 namespace test {
 
@@ -21,6 +22,16 @@ template <class T> struct Tissue {
   std::vector<char> fixed;                    // nodes held by a sticky wall
   T dx = 0, density = 0, mu = 0, lambda = 0;  // dx: the cell of its rig
   T dt = 0, damping = 0;
+
+  // Takes cell, density and modulus of `u`, for itself and its rig; `step` in units of time, Lame's first
+  // modulus in shear moduli.
+  template <class R> void measure_in(Units const& u, R& rig, double step, double lame_first) {
+    dx = T(u.length);
+    density = rig.rest_density = T(u.density);
+    mu = T(u.modulus);
+    lambda = T(lame_first * u.modulus);
+    dt = rig.dt = rig.previous_dt = T(step * u.time());
+  }
 
   using Q = mpmpbd::QuadraticBSpline;
   static constexpr int width = 3;
