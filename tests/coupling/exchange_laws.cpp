@@ -114,7 +114,7 @@ TEST_CASE("the order of points and beads does not matter", "[coupling]") {
     std::reverse(b.rest_angle.begin(), b.rest_angle.end());
     std::reverse(b.rest_length.begin(), b.rest_length.end() - 1);
     std::reverse(b.impulse.begin(), b.impulse.end() - 1);
-    auto const needle = b.points.begin() + b.gauss_points();
+    auto const needle = b.points.begin() + b.thread_points();
     std::reverse(b.points.begin(), needle);
     std::reverse(needle, b.points.end());
     REQUIRE(a.couple(0.0) == 0u);
@@ -198,7 +198,7 @@ TEST_CASE("the needle's wrench is what the grid lost", "[coupling]") {
   Draw d(13);
   for (int n = 0; n < 50; ++n) {
     auto r = random_rig<double, Rough>(d, {.needle = true, .kinematic = true});
-    for (int q = 0; q < r.gauss_points(); ++q)
+    for (int q = 0; q < r.thread_points(); ++q)
       r.points[static_cast<std::size_t>(q)].contact = Contact::off;
     auto x = r.view();
     auto const grid = r.velocity;
@@ -246,11 +246,11 @@ TEST_CASE("an attachment to tissue moves with it", "[coupling]") {
   tie.along = 1;
   tie.position = r.bead[4];
   r.allocate({}, {tie});
-  for (int q = 0; q < r.gauss_points(); ++q)
+  for (int q = 0; q < r.thread_points(); ++q)
     r.points[static_cast<std::size_t>(q)].contact = Contact::off;
   auto x = r.view();
   mpmpbd::place_thread_points(mpmpbd::Solo{}, x);
-  for (int q = 0; q < r.gauss_points(); ++q)
+  for (int q = 0; q < r.thread_points(); ++q)
     r.points[static_cast<std::size_t>(q)].contact = Contact::off;
   mpmpbd::embed_points(mpmpbd::Solo{}, x, r.nodes());
   REQUIRE(mpmpbd::exchange(mpmpbd::Solo{}, x, r.nodes()) == 0u);

@@ -54,7 +54,7 @@ template <class T, class Form_> struct Rig {
     slots.assign(n, -1);
   }
   int beads() const { return static_cast<int>(bead.size()); }
-  int gauss_points() const { return beads() > 1 ? 2 * (beads() - 1) : 0; }
+  int thread_points() const { return capacity().thread_points(); }
 
   void add_bead(Vec3<T> const& x, T m) {
     bead.push_back(x);
@@ -70,7 +70,7 @@ template <class T, class Form_> struct Rig {
   // Call when beads and needle points are all there. Thread points come first, all members at first.
   void allocate(std::vector<mpmpbd::ContactPoint<T>> const& needle_pts = {},
                 std::vector<mpmpbd::ContactPoint<T>> const& attached = {}) {
-    points.assign(static_cast<std::size_t>(gauss_points()), {});
+    points.assign(static_cast<std::size_t>(thread_points()), {});
     for (auto& p : points) p.contact = Contact::member;
     points.insert(points.end(), needle_pts.begin(), needle_pts.end());
     points.insert(points.end(), attached.begin(), attached.end());
@@ -134,7 +134,7 @@ template <class T, class Form_> struct Rig {
     mpmpbd::Solo const team;
     mpmpbd::place_thread_points(team, x);
     mpmpbd::embed_points(team, x, nodes());
-    for (int q = 0; q < gauss_points(); ++q) {
+    for (int q = 0; q < thread_points(); ++q) {
       auto& p = points[static_cast<std::size_t>(q)];
       if (p.contact == Contact::member || p.contact == Contact::off)
         p.contact = double(p.coverage) >= least ? Contact::member : Contact::off;
@@ -144,6 +144,25 @@ template <class T, class Form_> struct Rig {
     return faults;
   }
 };
+
+// Control: points at these places of every segment, in [0, 1], instead of at the beads. They take the slots of
+// attachments, as many as segments times places; call after place_thread_points.
+template <class View>
+void place_on_segments(View const& x, std::vector<typename View::Scalar> const& places) {
+  for (int q = 0; q < x.thread_points(); ++q) x.points[q].contact = Contact::off;
+  auto* p = x.points + x.first_attached();
+  for (int k = 0; k + 1 < x.thread.beads; ++k)
+    for (auto const s : places) {
+      p->segment = k;
+      p->along = s;
+      p->position = (1 - s) * x.thread.position[k] + s * x.thread.position[k + 1];
+      p->axis =
+          mpmpbd::direction((1 - s) * x.thread_work.tangent[k] + s * x.thread_work.tangent[k + 1]);
+      p->length = x.thread.rest_length[k] / typename View::Scalar(places.size());
+      p->contact = Contact::member;
+      ++p;
+    }
+}
 
 // Energy that one exchange may not raise: kinetic, plus the stretch (and bending) of the thread as the
 // linearised equations see it before and after.

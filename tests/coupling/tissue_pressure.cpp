@@ -192,7 +192,7 @@ struct Fill {
     for (int a = 0; a < 3; ++a) o.nodes[a] = 13;
     o.capacity = thread().capacity();
     o.capacity.push_back({"particle", 2400});
-    o.capacity.push_back({"contact point", 14});
+    o.capacity.push_back({"contact point", 8});
     return o;
   }
   template <class R> void operator()(R& run, std::int64_t env, int which) const {
@@ -212,7 +212,7 @@ struct Fill {
     for (std::int64_t p = 0; p < state.template table<Particles>().live(env); ++p)
       state.template set<particle::Deformation>(env, p, F);
     thread().write(state, env);
-    state.template table<ContactPoints>().set_live(env, 14);
+    state.template table<ContactPoints>().set_live(env, 8);
     for (int k = 0; k < 8; ++k) state.template set<bead::Velocity>(env, k, vec(T(0.4), T(0), T(0)));
   }
 };

@@ -41,7 +41,7 @@ SimulationOptions options(std::int64_t environments) {
                 {"bead", beads},
                 {"Distance", beads - 1},
                 {"Bend", beads - 2},
-                {"contact point", 2 * (beads - 1)}};
+                {"contact point", beads}};
   o.substeps = substeps;
   return o;
 }
@@ -69,7 +69,7 @@ template <class Run> void add_thread_through(Run& run, std::int64_t env) {
   add_thread(rod, std::span<Vec3<double> const>(line), RodMaterial{2e6, 0.006, 1140.0},
              RestShape::as_placed);
   rod.write(run.state(), env);
-  run.state().template table<ContactPoints>().set_live(env, 2 * (beads - 1));
+  run.state().template table<ContactPoints>().set_live(env, beads);
   run.template set<Embedded>(env, {0.006});
   run.template set<Friction>(env, {0.2, 100.0});
   for (int k = 0; k < beads; ++k)  // pulled along itself, and sideways

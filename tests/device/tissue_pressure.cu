@@ -30,10 +30,8 @@ test::OnDevice<Squeezed>::Run make_run(double stretch) {
   o.cell_size = dx;
   o.nodes[0] = 20;
   o.nodes[1] = o.nodes[2] = 14;
-  o.capacity = {{"particle", 5000},
-                {"bead", beads},
-                {"Distance", beads - 1},
-                {"contact point", 2 * (beads - 1)}};
+  o.capacity = {
+      {"particle", 5000}, {"bead", beads}, {"Distance", beads - 1}, {"contact point", beads}};
   o.substeps = substeps;
   test::OnDevice<Squeezed>::Run run(o);
   std::vector<Vec3<double>> x, line;
@@ -53,7 +51,7 @@ test::OnDevice<Squeezed>::Run make_run(double stretch) {
   RodAssembly<Thread> rod;
   add_thread(rod, std::span<Vec3<double> const>(line), RodMaterial{1e8, 2e-4, 8800.0});
   rod.write(run.state(), 0);
-  run.state().table<ContactPoints>().set_live(0, 2 * (beads - 1));
+  run.state().table<ContactPoints>().set_live(0, beads);
   for (int k = 0; k < beads; ++k) run.state().set<bead::Velocity>(0, k, {{0.3f, 0, 0}});
   return run;
 }

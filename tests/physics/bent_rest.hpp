@@ -21,7 +21,8 @@ inline constexpr double dead_load_straightens = 0.2533;
 // wavelength of 6 cells, and its answer is a matter of EI alone.
 enum class Rest { arc, wave };
 
-enum class Bend { in_solve, before_solve, explicit_before, dead_load };
+// two_points: as in_solve, by two Gauss points per segment.
+enum class Bend { in_solve, two_points, before_solve, explicit_before, dead_load };
 
 // All numbers in Units of the tissue; bead masses in those of a full grid node.
 struct BendCase {
@@ -101,7 +102,8 @@ template <class T> struct BentRest {
   void add_thread() {
     for (auto const& x : c.rest == Rest::wave ? wave_line(segments) : arc_line(segments))
       rig.add_bead(mpmpbd::cast<T>(u.length * x), T(c.bead_mass * u.mass()));
-    rig.allocate();
+    auto const extra = std::size_t(c.how == Bend::two_points ? 2 * segments : 0);
+    rig.allocate({}, std::vector<mpmpbd::ContactPoint<T>>(extra));
     rig.stretch_compliance = T(1 / (c.stretch * u.force()));
     rig.friction = {T(1e3), T(1e3 * u.modulus)};
     bend(1);
@@ -183,10 +185,12 @@ template <class T> struct BentRest {
     x.thread = full.thread;
     x.needle = full.needle;
     x.points = full.points;
+    x.attached_points = full.attached_points;
     x.friction = full.friction;
     mpmpbd::use_workspace(x, rig.capacity(), memory, rig.slots.data());
     mpmpbd::Solo const team;
     mpmpbd::place_thread_points(team, x);
+    if (c.how == Bend::two_points) place_on_segments(x, {T(0.2113), T(0.7887)});
     mpmpbd::embed_points(team, x, rig.nodes());
     return mpmpbd::exchange(team, x, rig.nodes()) == 0;
   }
@@ -204,7 +208,7 @@ template <class T> struct BentRest {
         for (std::size_t k = 0; k < f.size(); ++k)
           rig.bead_velocity[k] += rig.dt / rig.bead_mass[k] * f[k];
       }
-      if (c.how == Bend::in_solve)
+      if (c.how == Bend::in_solve || c.how == Bend::two_points)
         r.ran_away = !exchange_as<Bending>(rig.memory.data());
       else if (c.how != Bend::dead_load)
         r.ran_away = !exchange_as<Limp>(limp_memory.data());

@@ -93,7 +93,8 @@ template <class T, class Form> struct BentThread {
     for (int k = 0; k <= c.segments; ++k)
       rig.add_bead(mpmpbd::cast<T>(u.length * bent_path(bent_length * k / c.segments)),
                    T(c.bead_mass * u.mass()));
-    rig.allocate();
+    auto const more = std::size_t(two_points() ? 2 * c.segments : 0);
+    rig.allocate({}, std::vector<mpmpbd::ContactPoint<T>>(more));
     for (auto& p : rig.points) p.radius = T(c.radius * u.length);
     rig.stretch_compliance = T(1 / (c.stiffness * u.force()));
     if (c.scheme == Scheme::contact_then_xpbd) rig.stretch_compliance = T(1e12);
@@ -149,15 +150,20 @@ template <class T, class Form> struct BentThread {
     }
     rig.bead_velocity.back()[1] -= pull;
   }
+  // Two points per segment are what it was measured with; with points at the beads no harm of it was found.
+  bool two_points() const { return c.scheme == Scheme::position_bias; }
   void couple() {
     auto x = rig.view();
     mpmpbd::Solo const team;
     mpmpbd::place_thread_points(team, x);
+    if (two_points()) place_on_segments(x, {T(0.2113), T(0.7887)});
     if (c.scheme == Scheme::chord_tangents)
       for (auto& p : rig.points) p.axis = x.thread_work.links[p.segment].direction;
     mpmpbd::embed_points(team, x, rig.nodes());
-    for (auto& p : rig.points) {
-      p.contact = p.coverage >= T(0.25) ? Contact::member : Contact::off;
+    for (int q = 0; q < x.count(); ++q) {
+      auto& p = x.points[q];
+      bool const unused = two_points() && q < x.thread_points();
+      p.contact = !unused && p.coverage >= T(0.25) ? Contact::member : Contact::off;
       if (c.scheme == Scheme::cold_start) p.impulse = {};
     }
     result.ran_away |= c.scheme == Scheme::position_bias

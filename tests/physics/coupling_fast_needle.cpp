@@ -74,7 +74,9 @@ TEST_CASE("a needle faster than any wave does not skip tissue", "[coupling][embe
     auto const p = pass({.speed = 12, .per_step = cells}),
                q = pass({.way = Way::sideways, .speed = 12, .per_step = cells});
     CAPTURE(cells, p.work, q.work, slow, p.work / slow);
-    CHECK(std::abs(p.work / slow - 1) < 0.05);
+    // Its points are a cell apart and it moves half a cell in a substep, so these see two phases of the points in
+    // the slab only: half a point of 4.7 more or less on average.
+    CHECK(std::abs(p.work / slow - 1) < 0.5 / 4.7);
     CHECK(q.work > 100 * slow);
     CHECK(p.status == 0);
     CHECK(q.status == 0);

@@ -39,13 +39,12 @@ template <class Sim> class Watch {
   void after(double h) {
     Vec3<double> force{}, couple{};  // impulses and their moments, of bodies on tissue
     double size = 0, arm = norm(centre_);
-    auto const gauss = static_cast<std::int64_t>(beads_.empty() ? 0 : 2 * (beads_.size() - 1));
     for (std::int64_t q = 0; q < run_.state().template table<ContactPoints>().live(env_); ++q) {
       auto const J = get<contact::Impulse>(q);
       size += norm(J);
       largest = std::max(largest, norm(J));
-      if (q >= gauss) continue;  // the needle speaks for itself
-      auto const x = gauss_point(q);
+      if (q >= std::ssize(beads_)) continue;  // the needle speaks for itself
+      auto const& x = beads_[static_cast<std::size_t>(q)];
       force += J;
       couple += cross(x, J);
       arm = std::max(arm, norm(x));
@@ -68,11 +67,6 @@ template <class Sim> class Watch {
   }
   template <class F> Vec3<double> of_grid() const {
     return cast<double>(run_.state().template get<F>(env_));
-  }
-  Vec3<double> gauss_point(std::int64_t q) const {
-    double const along = q % 2 == 0 ? 0.21132486540518712 : 0.78867513459481288;
-    auto const k = static_cast<std::size_t>(q / 2);
-    return (1 - along) * beads_[k] + along * beads_[k + 1];
   }
   Sim const& run_;
   std::int64_t env_;
@@ -106,7 +100,7 @@ template <class T> struct Rod {
 // A needle that has done `needle` on the gel, of which `gel` arrived [J].
 struct Work {
   double needle = 0, gel = 0;
-  double least_loss = 0;       // of a step [J]
+  double least_loss = 0;       // of an exchange: work of the needle less kinetic energy [J]
   double square_of_speed = 0;  // integrated over time [m^2/s]
 };
 
@@ -125,7 +119,8 @@ void move(Rod<T>& rod, Vec3<double> const& way, double cells, double speed, Work
     double const arrived = double(rod.run.state().template get<scales::Work>(0));
     w.needle += given;
     w.gel += arrived;
-    w.least_loss = std::min(w.least_loss, given - arrived);
+    w.least_loss =
+        std::min(w.least_loss, given - double(rod.run.state().template get<scales::Kinetic>(0)));
     w.square_of_speed += h * dot(v, v);
   }
 }

@@ -78,7 +78,7 @@ template <class S> Simulation<S, Serial, double> block(Squeeze const& squeeze, d
   o.nodes[2] += 6;
   o.capacity = thread().capacity();
   o.capacity.push_back({"particle", 12 * 12 * 40});
-  o.capacity.push_back({"contact point", 2 * (beads - 1)});
+  o.capacity.push_back({"contact point", beads});
   Simulation<S, Serial, double> sim(o);
   sim.template set<NeoHookean>(stiffness);
   sim.template set<Viscosity>({2.0});
@@ -103,7 +103,7 @@ template <class S> Simulation<S, Serial, double> block(Squeeze const& squeeze, d
     state.template set<particle::Volume>(0, p, dx * dx * dx / 8 / squeeze.J());
   }
   thread().write(state, 0);
-  state.template table<ContactPoints>().set_live(0, 2 * (beads - 1));
+  state.template table<ContactPoints>().set_live(0, beads);
   state.template set<bead::InverseMass>(0, beads - 1, 0.0);  // the hand
   state.template set<bead::Velocity>(0, beads - 1, vec(0.0, 0.0, speed));
   return sim;

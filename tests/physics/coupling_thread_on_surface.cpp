@@ -68,8 +68,8 @@ Run block(std::vector<Vec3<double>> const& way) {
   o.cell_size = dx;
   o.nodes[0] = 18, o.nodes[1] = 17, o.nodes[2] = 22;
   o.capacity = rod.capacity();
-  int const points = 2 * int(rod.beads() - 1) +
-                     contact_points(ArcPoints<double>::over(ArcNeedle::arc(needle), dx));
+  int const points =
+      int(rod.beads()) + contact_points(ArcPoints<double>::over(ArcNeedle::arc(needle), dx));
   for (Capacity const& more :
        std::initializer_list<Capacity>{{"particle", 8 * cells[0] * cells[1] * cells[2]},
                                        {"needle", 1},
@@ -119,15 +119,13 @@ double depth(Run& sim, Vec3<double> const& x) {
   return -dot(x - position(sheet, mark), normal) / dx;
 }
 // Where point q of the thread is.
-Vec3<double> point(Run const& sim, int q) {
-  double const s = q % 2 == 0 ? 0.2113 : 0.7887;
-  return (1 - s) * sim.state().get<bead::Position>(0, q / 2) +
-         s * sim.state().get<bead::Position>(0, q / 2 + 1);
+Vec3<double> point(Run const& sim, int q) { return sim.state().get<bead::Position>(0, q); }
+// Sides of bead q that are in a channel.
+int member(Run const& sim, int q) {
+  auto const sides = sim.state().get<channel::Member<ContactPoints>>(0, q);
+  return ((sides & side_before) != 0) + ((sides & side_after) != 0);
 }
-bool member(Run const& sim, int q) {
-  return sim.state().get<channel::Member<ContactPoints>>(0, q) != 0;
-}
-int thread_points(Run const& sim) { return 2 * int(sim.state().table<Beads>().live(0) - 1); }
+int thread_points(Run const& sim) { return int(sim.state().table<Beads>().live(0)); }
 
 // Pulls both ends with T = 1 and presses on the beads from `first` to `last` with `press` in all. The loads
 // grow over 30 ms: contact finds a thread where it is at the start of a substep, and one of a thousandth of
@@ -215,9 +213,9 @@ TEST_CASE("a taut thread that comes out of a channel is in tissue inside it alon
     for (int q = 0; q < thread_points(sim); ++q) {
       auto const x = point(sim, q);
       double const apart = channels.distance_to_track(0, x) / dx;
-      if (member(sim, q)) {
+      if (int const sides = member(sim, q); sides > 0) {
         farthest = std::max(farthest, apart);
-        length += 0.4;
+        length += 0.4 * sides;
       } else if (x[0] > mouth[0] && x[0] < corner[0] + 10 * dx) {
         deepest = std::max(deepest, depth(sim, x));
       }

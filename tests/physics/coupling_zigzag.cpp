@@ -26,32 +26,26 @@ double zigzag(Line const& h) {
   return most;
 }
 
-// Control: one point in the middle of each segment instead of two.
+// Control: one point in the middle of each segment.
 std::uint32_t couple_at_midpoints(Line& h) {
   auto& r = h.rig;
   auto const x = r.view();
   mpmpbd::Solo const team;
   mpmpbd::place_thread_points(team, x);
-  for (std::size_t q = 0; q < r.points.size(); ++q) {
-    auto& p = r.points[q];
-    auto const k = std::size_t(p.segment);
-    p.along = 0.5;
-    p.position = 0.5 * (r.bead[k] + r.bead[k + 1]);
-    p.axis = x.thread_work.links[k].direction;
-    p.contact = q % 2 == 0 ? Contact::member : Contact::off;
-  }
+  place_on_segments(x, {0.5});
   mpmpbd::embed_points(team, x, r.nodes());
   return mpmpbd::exchange(team, x, r.nodes());
 }
 
 struct Buckling {
-  double early = 0, end = 0;  // zigzag at t = 190 and at the end
+  double early = 0, end = 0;  // zigzag at t = 600 and at the end
 };
 
 // The first bead is held: without friction nothing else keeps the thread from sliding out along itself.
 template <class Couple> Buckling push(double mass, double load, double end, Couple const& couple) {
   Line h(0.2, true, 0.5);
   h.add_thread(segments, mass, 1000);
+  h.rig.allocate({}, std::vector<mpmpbd::ContactPoint<double>>(segments));
   h.rig.known.front() = 1;
   for (std::size_t k = 0; k <= segments; ++k)
     h.rig.bead[k][0] += (k % 2 == 0 ? -1 : 1) * crooked * h.unit.length;
@@ -62,26 +56,26 @@ template <class Couple> Buckling push(double mass, double load, double end, Coup
   while (h.time < end && r.end < 3) {
     REQUIRE(h.step(from_the_end, [&] { return couple(h); }) == 0u);
     r.end = zigzag(h);
-    if (h.time < 190) r.early = r.end;
+    if (h.time < 600) r.early = r.end;
   }
   return r;
 }
 
 }  // namespace
 
-// It buckles at a load of 3.6; below that the crookedness grows by 1/(1 - load/3.6), as of any strut.
+// It buckles at a load of 4.6; below that the crookedness grows by 1/(1 - load/4.6), as of any strut.
 TEST_CASE("tissue holds a thread that is pushed from its end", "[coupling][zigzag]") {
   auto const couple = [](Line& h) { return h.rig.couple(); };
   for (double mass : {1e-4, 1e-2})
     for (double load : {1.0, 2.0}) {
       Buckling const r = push(mass, load, 1000, couple);
       CAPTURE(mass, load, r.early, r.end);
-      CHECK(r.end < 2 * crooked / (1 - load / 3));
+      CHECK(r.end < 2 * crooked / (1 - load / 4));
       CHECK(r.end - r.early < 1e-4);
     }
-  Buckling const buckled = push(1e-4, 4, 1000, couple);
+  Buckling const buckled = push(1e-4, 5, 1000, couple);
   CAPTURE(buckled.early, buckled.end);
-  CHECK(buckled.end < 0.5);  // it comes to rest, bent
+  CHECK(buckled.end < 0.6);  // it comes to rest, bent
   CHECK(std::abs(buckled.end - buckled.early) < 0.01);
 }
 

@@ -54,7 +54,7 @@ template <class Laws_> class Probe {
     for (int b = 0; b < beads; ++b) rod.prescribe(b, velocity);
     rod.write(sim_.state(), 0);
     if constexpr (std::is_same_v<typename Laws_::Strategy, Embedded>)
-      sim_.state().template table<ContactPoints>().set_live(0, 2 * (beads - 1));
+      sim_.state().template table<ContactPoints>().set_live(0, beads);
   }
   auto& sim() { return sim_; }
 
@@ -62,8 +62,7 @@ template <class Laws_> class Probe {
   Vec3<double> impulse() const {
     Vec3<double> sum{};
     if constexpr (std::is_same_v<typename Laws_::Strategy, Embedded>)
-      for (int q = 0; q < 2 * (beads - 1); ++q)
-        sum += sim_.state().template get<contact::Impulse>(0, q);
+      for (int q = 0; q < beads; ++q) sum += sim_.state().template get<contact::Impulse>(0, q);
     else
       for (int b = 0; b < beads; ++b) sum -= sim_.state().template get<bead::Recoil>(0, b);
     return sum;
@@ -88,7 +87,7 @@ template <class Laws_> class Probe {
     o.capacity = {{"particle", 4096},
                   {"bead", beads},
                   {Distance::name.view(), beads - 1},
-                  {ContactPoints::name.view(), 2 * (beads - 1)}};
+                  {ContactPoints::name.view(), beads}};
     return o;
   }
   Simulation<Block<Laws_>, Serial, double> sim_;

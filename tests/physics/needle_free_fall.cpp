@@ -50,8 +50,8 @@ template <class S> Simulation<S, Serial, double> falling() {
   o.capacity = thread().capacity();
   o.capacity.push_back({"particle", 8});
   o.capacity.push_back({"needle", 1});
-  o.capacity.push_back({"contact point", 2 * (beads - 1) + contact_points(ArcPoints<double>::over(
-                                                               FreeArcNeedle::arc(wire), dx))});
+  o.capacity.push_back({"contact point", beads + contact_points(ArcPoints<double>::over(
+                                                     FreeArcNeedle::arc(wire), dx))});
   Simulation<S, Serial, double> sim(o);
   sim.template set<NeoHookean>(lame(2e4, 0.4));
   sim.template set<Gravity>({{g[0], g[1], g[2]}});

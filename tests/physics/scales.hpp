@@ -12,13 +12,16 @@ namespace test {
 namespace scales {
 struct Impulse : mpmpbd::Field<"J_grid", "N s", mpmpbd::Vector, mpmpbd::Environments> {};
 struct Moment : mpmpbd::Field<"L_grid", "N m s", mpmpbd::Vector, mpmpbd::Environments> {};
+// Impulses times the velocities after them, with which tissue moves on; and the kinetic energy they bring.
 struct Work : mpmpbd::Field<"W_grid", "J", mpmpbd::Number, mpmpbd::Environments> {};
+struct Kinetic : mpmpbd::Field<"K_grid", "J", mpmpbd::Number, mpmpbd::Environments> {};
 }  // namespace scales
 
 template <class In> struct WeighedExchange : mpmpbd::ExchangeImpulses<In> {
   using Exchange = mpmpbd::ExchangeImpulses<In>;
-  using Writes = mpmpbd::union_t<typename Exchange::Writes,
-                                 mpmpbd::Fields<scales::Impulse, scales::Moment, scales::Work>>;
+  using Writes =
+      mpmpbd::union_t<typename Exchange::Writes, mpmpbd::Fields<scales::Impulse, scales::Moment,
+                                                                scales::Work, scales::Kinetic>>;
 
   template <class Team_, class Env, class Ctx, class Grid>
   static std::uint32_t run(Team_ const& team, Env const& env, Ctx const& context,
@@ -33,7 +36,7 @@ template <class In> struct WeighedExchange : mpmpbd::ExchangeImpulses<In> {
     auto const faults = Exchange::run(team, env, context, grid);
 
     mpmpbd::Vec3<double> impulse{}, moment{};
-    double work = 0;
+    double work = 0, kinetic = 0;
     for (int i = 0; i < n; ++i) {
       auto const v = mpmpbd::cast<double>(grid.velocity(i)),
                  u = before[static_cast<std::size_t>(i)];
@@ -44,6 +47,7 @@ template <class In> struct WeighedExchange : mpmpbd::ExchangeImpulses<In> {
       impulse += gain;
       moment += mpmpbd::cross(mpmpbd::cast<double>(x), gain);
       work += mpmpbd::dot(gain, v);
+      kinetic += 0.5 * mpmpbd::dot(gain, v + u);
     }
     bool const first = context.tick.substep == 0;
     auto add = [&]<class F>(F, auto const& gain) {
@@ -52,6 +56,7 @@ template <class In> struct WeighedExchange : mpmpbd::ExchangeImpulses<In> {
     add(scales::Impulse{}, mpmpbd::cast<T>(impulse));
     add(scales::Moment{}, mpmpbd::cast<T>(moment));
     add(scales::Work{}, static_cast<T>(work));
+    add(scales::Kinetic{}, static_cast<T>(kinetic));
     return faults;
   }
 };

@@ -37,14 +37,13 @@ struct ThreadInGel {
   template <class S, class T> Simulation<S, Serial, T> make() const {
     auto const thread = rod<typename S::Rods>();
     auto capacity = thread.capacity();
-    int const contacts = 2 * (beads() - 1);
-    capacity.push_back({ContactPoints::name.view(), contacts});
+    capacity.push_back({ContactPoints::name.view(), beads()});
     Simulation<S, Serial, T> run(block.options(capacity));
     block.fill(run);
     run.template set<Embedded>({radius});
     for (int e = 0; e < block.environments; ++e) {
       thread.write(run.state(), e);
-      run.state().template table<ContactPoints>().set_live(e, contacts);
+      run.state().template table<ContactPoints>().set_live(e, beads());
     }
     return run;
   }

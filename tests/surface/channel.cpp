@@ -48,13 +48,16 @@ template <class T> struct Scene {
   T coverage(Vec3<T> const& x) const {
     return clamp(T(0.5) - block<T>().distance(x) / cell<T>, T(0), T(1));
   }
-  void settle(int gauss, int needle_points, bool swaged, Tip<T> const& tip) {
-    for (int q = 0; q < gauss + needle_points; ++q)
+  void settle(int beads, int needle_points, bool swaged, Tip<T> const& tip) {
+    for (int q = 0; q < beads + needle_points; ++q)
       points[q].coverage = coverage(points[q].position);
-    update_members(points, gauss, needle_points, swaged, members(), tip, set(), 0, held.sheet(),
-                   cell<T>);
-    for (int q = 0; q < gauss + needle_points; ++q)
-      faults |= settle_point(points, q, gauss, set(), std::int64_t{0}, held.sheet(), held.columns(),
+    auto const at_bead = [this](int k, int) {
+      return ThreadPlace<T>{points[k].position, points[k].coverage};
+    };
+    update_members(points, beads, needle_points, swaged, at_bead, members(), tip, set(), 0,
+                   held.sheet(), cell<T>);
+    for (int q = 0; q < beads + needle_points; ++q)
+      faults |= settle_point(points, q, beads, set(), std::int64_t{0}, held.sheet(), held.columns(),
                              cell<T>);
   }
   Tip<T> tip() { return Tip<T>::load(needles.view(), env); }
@@ -181,7 +184,8 @@ TEMPLATE_TEST_CASE("a thread on the surface is not glued to it, beside a mouth n
   if (with_channel) s.cut(T(0.0203), T(0.0161), T(0.012));
   auto const outside = Tip<T>::at(vec<T>(0, 0, T(0.03)));
   int const down = with_channel ? 8 : 0, n = 24 + down;
-  for (int q = 24; q < n; ++q) s.members().set(q, 1);  // these have come through the mouth
+  for (int q = 24; q < n; ++q)
+    s.members().set(q, side_before + side_after);  // these have come through the mouth
   for (int step = 0; step < 200; ++step) {
     // The end comes up through the channel; the rest lies on the surface, pressed in by a fifth of
     // a cell.
@@ -345,22 +349,22 @@ TEMPLATE_TEST_CASE("a whole thread behind the needle: members only behind member
   auto tip = Tip<T>::at(vec<T>(T(0.0203), T(0.0161), T(0.016)));
   tip.state = TipState::inside;
   tip.cap = T(0.05);
-  int const gauss = 12, needle_points = 7;
+  int const beads = 12, needle_points = 7;
   bool const swaged = GENERATE(false, true);
   for (int down = 0; down < 3; ++down) {
     T const z = T(0.016) - T(down) * T(0.002);
-    s.points[gauss].position = vec<T>(T(0.0203), T(0.0161), z);
+    s.points[beads].position = vec<T>(T(0.0203), T(0.0161), z);
     for (int k = 1; k < needle_points; ++k)
-      s.points[gauss + k].position = vec<T>(T(0.0203), T(0.0161), z + T(k - 1) * T(0.001));
-    for (int q = 0; q < gauss; ++q)
+      s.points[beads + k].position = vec<T>(T(0.0203), T(0.0161), z + T(k - 1) * T(0.001));
+    for (int q = 0; q < beads; ++q)
       s.points[q].position =
-          vec<T>(T(0.0203), T(0.0161), z + T(0.006) + T(gauss - 1 - q) * T(0.001));
-    s.settle(gauss, needle_points, swaged, tip);
+          vec<T>(T(0.0203), T(0.0161), z + T(0.006) + T(beads - 1 - q) * T(0.001));
+    s.settle(beads, needle_points, swaged, tip);
   }
-  REQUIRE(s.points[gauss].contact == Contact::tip);
-  REQUIRE(s.points[gauss].force_cap == T(0.05));
-  for (int k = 1; k < needle_points; ++k) REQUIRE(s.points[gauss + k].contact == Contact::member);
-  for (int q = 0; q < gauss; ++q) {
+  REQUIRE(s.points[beads].contact == Contact::tip);
+  REQUIRE(s.points[beads].force_cap == T(0.05));
+  for (int k = 1; k < needle_points; ++k) REQUIRE(s.points[beads + k].contact == Contact::member);
+  for (int q = 0; q < beads; ++q) {
     bool const in = s.points[q].position[2] < top<T> + T(0.0005);
     CAPTURE(q, swaged);
     if (!swaged && s.points[q].position[2] < top<T> - T(0.0011))

@@ -86,7 +86,7 @@ inline SimulationOptions options(SuturingConfig const& c, std::int64_t environme
   for (Capacity const& more : std::initializer_list<Capacity>{
            {Particles::name.view(), c.tissue.point_count()},
            {Needles::name.view(), 1},
-           {ContactPoints::name.view(), 2 * (c.thread.beads - 1) + needle_points},
+           {ContactPoints::name.view(), c.thread.beads + needle_points},
            {SheetVertices::name.view(), static_cast<std::int64_t>(mesh.positions.size())},
            {SheetTriangles::name.view(), static_cast<std::int64_t>(mesh.triangles.size())},
            {Markers::name.view(), 2},

@@ -79,11 +79,13 @@ template <class Sim> SheetMesh<double> surface_now(Sim const& sim, std::int64_t 
   return mesh;
 }
 
-template <class Sim> bool is_member(Sim const& sim, std::int64_t env, std::int64_t point) {
-  return sim.state().template get<channel::Member<ContactPoints>>(env, point) != 0;
+// A bead is in tissue with both its sides, a segment with both its beads.
+template <class Sim> bool is_inside(Sim const& sim, std::int64_t env, std::int64_t bead) {
+  return sim.state().template get<channel::Member<ContactPoints>>(env, bead) ==
+         side_before + side_after;
 }
 template <class Sim> bool is_embedded(Sim const& sim, std::int64_t env, std::int64_t segment) {
-  return is_member(sim, env, 2 * segment) && is_member(sim, env, 2 * segment + 1);
+  return is_inside(sim, env, segment) && is_inside(sim, env, segment + 1);
 }
 
 template <class Sim> double distance_to_tracks(Sim& sim, std::int64_t env, Vec3<double> const& x) {

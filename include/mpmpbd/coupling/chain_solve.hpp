@@ -59,6 +59,24 @@ template <class T, bool bends> struct ChainFactors {
 
 namespace detail {
 
+// Cofactors of a symmetric positive definite matrix, and its determinant, by A = L D L^T: products of pivots.
+// Differences of products of its entries, the usual way, can leave nothing of a small determinant in float (a light
+// bead that leans on the tissue in one direction).
+template <class T> struct Cofactors {
+  Mat3<T> matrix;
+  T determinant;
+};
+template <class T> MPMPBD_HD Cofactors<T> definite_cofactors(Mat3<T> const& A) {
+  T const least = epsilon<T> * trace(A);
+  T const d1 = max(A(0, 0), least), l21 = A(1, 0) / d1, l31 = A(2, 0) / d1;
+  T const d2 = max(A(1, 1) - l21 * A(1, 0), least), l32 = (A(2, 1) - l31 * A(1, 0)) / d2;
+  T const d3 = max(A(2, 2) - l31 * A(2, 0) - l32 * l32 * d2, least);
+  Vec3<T> const m2 = vec(-l21, T(1), T(0)), m3 = vec(l21 * l32 - l31, -l32, T(1));  // rows of L^-1
+  Mat3<T> C = d1 * d3 * outer(m2, m2) + d1 * d2 * outer(m3, m3);
+  C(0, 0) += d2 * d3;
+  return {C, d1 * d2 * d3};
+}
+
 // Inverse of [A p; p^T -gamma], gamma >= 0, without subtraction: with C the cofactors of A,
 //   (A + p p^T / gamma)^-1 = (gamma C + [p]x A [p]x^T) / (gamma det A + p . C p).
 // It stays exact for gamma -> 0 and for a tiny A. A is scaled to trace 1, so that float does not underflow.
@@ -68,9 +86,8 @@ MPMPBD_HD bool invert_bordered(Mat3<T> A, Vec3<T> const& p, T gamma, BeadFactor<
   if (!(size > T(0)) || !is_finite(size)) return false;
   A *= T(1) / size;
   gamma *= size;
-  Mat3<T> const C = cofactor(A);
+  auto const [C, det] = definite_cofactors(A);
   Vec3<T> const Cp = C * p;
-  T const det = A(0, 0) * C(0, 0) + A(0, 1) * C(0, 1) + A(0, 2) * C(0, 2);
   T const denominator = gamma * det + dot(p, Cp);
   if (!(denominator > square(epsilon<T>) * (gamma + dot(p, p)))) return false;
   Mat3<T> const cross_p = skew(p);

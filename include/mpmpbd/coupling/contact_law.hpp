@@ -33,6 +33,10 @@ template <class T> struct ContactPoint {
   Contact contact;
 };
 
+template <class T> MPMPBD_HD constexpr bool is_one_sided(ContactPoint<T> const& p) {
+  return p.contact == Contact::surface || p.contact == Contact::tip;
+}
+
 enum class Hold : int {
   stick,  // B = I/D (a tip: along its axis only)
   slide,  // sideways as stick, along the body a given friction, and drag
@@ -96,15 +100,19 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
   // carries already.
   MPMPBD_HD Response<T> response(ContactPoint<T> const& p, Hold hold, Vec3<T> const& J, T D,
                                  Vec3<T> const& slip_impulse) const {
+    T const share = drag_share(p, D);
+    if (p.contact == Contact::surface && hold != Hold::stick) {
+      // Whether it is pressed or not, what touches the tissue is dragged.
+      if (hold == Hold::open)
+        return {share, -share, (share - 1) * sideways(p, J) - dot(p.axis, J) * p.axis};
+      return {share, 1 - share, (1 - share) * (slip_impulse - sideways(p, J))};
+    }
     if (hold == Hold::open) return {T(0), T(0), -J};
     if (p.contact == Contact::tip) {
       if (hold == Hold::full) return {T(0), T(0), (p.force_cap * dt) * p.axis - J};
       return {T(0), T(1), {}};
     }
     if (hold == Hold::stick || p.contact == Contact::tied) return {T(1), T(0), {}};
-    T const share = drag_share(p, D);
-    if (p.contact == Contact::surface)
-      return {share, 1 - share, (1 - share) * (slip_impulse - sideways(p, J))};
     return {T(1), share - 1, (1 - share) * (slip_impulse - dot(p.axis, J) * p.axis)};
   }
 
@@ -114,14 +122,16 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
   }
 
   // The hold to try after a sweep that ended with `hold`, and the friction if it is to slide on: that of
-  // the impulse which the point carries by now.
+  // the impulse which the point carries by now. A one-sided point that carries none starts open.
   MPMPBD_HD Hold resumes(ContactPoint<T> const& p, Hold hold, Vec3<T> const& carried,
                          Vec3<T>& slip_impulse) const {
     slip_impulse = {};
+    if (is_one_sided(p) && !(dot(p.axis, carried) > T(0))) return Hold::open;
     if constexpr (grips) {
       Vec3<T> const along = slip_part(p, carried);
       T const size = norm(along);
-      if (hold == Hold::slide && size > T(0)) {
+      // What rounding leaves of a push without friction has no direction.
+      if (hold == Hold::slide && size > 100 * epsilon<T> * norm(carried)) {
         slip_impulse = friction_cap(p, carried) / size * along;
         return Hold::slide;
       }
@@ -133,7 +143,7 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
   // it slides, its friction.
   MPMPBD_HD Hold yields(ContactPoint<T> const& p, Hold hold, Vec3<T> const& total,
                         Vec3<T>& slip_impulse) const {
-    if (p.contact == Contact::surface || p.contact == Contact::tip) {
+    if (is_one_sided(p)) {
       T const push = dot(p.axis, total);
       if (push < T(0)) return Hold::open;
       if (p.contact == Contact::tip) return push > p.force_cap * dt ? Hold::full : hold;

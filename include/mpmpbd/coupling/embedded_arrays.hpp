@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mpmpbd/coupling/workspace.hpp>
+#include <mpmpbd/surface/channel.hpp>
 #include <mpmpbd/surface/columns.hpp>
 
 namespace mpmpbd {
@@ -38,6 +39,7 @@ template <class T, class Form> struct EmbeddedArrays {
   T* rest_angle;
   T* impulse;
   ContactPoint<T>* points;
+  ThreadPlace<T>* aside;  // of every bead: before, after; with a surface
   RigidBody<T>* needle;
   void* exchange;
 
@@ -54,6 +56,7 @@ template <class T, class Form> struct EmbeddedArrays {
     rest_angle = cutter.cut<T>(n.beads);
     impulse = cutter.cut<T>(n.beads);
     points = cutter.cut<ContactPoint<T>>(n.exchange().points());
+    aside = cutter.cut<ThreadPlace<T>>(n.triangles > 0 ? 2 * n.beads : 0);
     needle = cutter.cut<RigidBody<T>>(1);
     exchange = cutter.cut<double>(static_cast<int>(
         (exchange_bytes<T, Form>(n.exchange()) + sizeof(double) - 1) / sizeof(double)));

@@ -97,6 +97,9 @@ template <class In> struct ExchangeImpulses {
     return n;
   }
 
+  // How far from a bead its thread is looked at on either side [segments]: where a Gauss point would be.
+  static constexpr double aside = 0.21132486540518712;
+
   // Bytes of scratch for one environment.
   template <class Env, class Ctx>
   static std::size_t scratch_bytes(Env const& env, Ctx const& context) {
@@ -124,7 +127,7 @@ template <class In> struct ExchangeImpulses {
     place_needle_points(team, env, context, x);
     place_attachments(team, env, x);
     embed_points(team, x, grid);
-    faults |= settle_points(team, env, context, x, a, n);
+    faults |= settle_points(team, env, context, x, a, n, grid);
     Pressure::template gather<Shape>(team, env, x, static_cast<char*>(grid.scratch) + used);
     faults |= exchange(team, x, grid);
     store(team, env, context, x);
@@ -212,7 +215,7 @@ template <class In> struct ExchangeImpulses {
       team.sync();
       x.thread.stretch_compliance = stretch_compliance<T>(env);
       x.thread.bending_stiffness = bending_stiffness<T>(env, a);
-      team.each(x.gauss_points(),
+      team.each(x.thread_points(),
                 [&](int q) { x.points[q].radius = context.template of<Embedded>().thread_radius; });
     }
   }
@@ -352,7 +355,7 @@ template <class In> struct ExchangeImpulses {
       auto const arc = Needle::arc(context.template of<Needle>());
       auto const points = arc_points(context);
       team.each(x.needle_points, [&](int i) {
-        place_contact_point(x.points[x.gauss_points() + i], i, arc, points, pose);
+        place_contact_point(x.points[x.thread_points() + i], i, arc, points, pose);
       });
       team.sync();
     }
@@ -374,10 +377,10 @@ template <class In> struct ExchangeImpulses {
   }
 
   // What every point is. With a surface: by puncture and channel. Without: it is coupled where tissue is.
-  template <class Team_, class Env, class Ctx, class X, class Arrays>
+  template <class Team_, class Env, class Ctx, class X, class Arrays, class Grid>
   MPMPBD_HD static std::uint32_t settle_points(Team_ const& team, Env const& env,
                                                Ctx const& context, X const& x, Arrays const& a,
-                                               BodyCounts const& n) {
+                                               BodyCounts const& n, Grid const& grid) {
     using T = typename X::Scalar;
     std::uint32_t faults = 0;
     if constexpr (In::has_surface) {
@@ -386,21 +389,32 @@ template <class In> struct ExchangeImpulses {
       auto const channels = detail::channels_of_environment(env);
       if (context.tick.substep == 0) team.one([&] { faults |= columns.build(sheet); });
       team.sync();
+      auto const member = detail::row<channel::Member<ContactPoints>>(env);
+      team.each(x.thread_points(), [&](int k) { look_aside(x, grid, a, k); });
+      team.sync();
       team.one([&] {
         auto const& d = env.template domain<Needles>();
-        update_members(x.points, x.gauss_points(), x.needle_points, swaged,
-                       detail::row<channel::Member<ContactPoints>>(env),
-                       Tip<T>::load(d.view, d.first), channels, 0, sheet, context.lattice.dx);
+        update_members(
+            x.points, x.thread_points(), x.needle_points, swaged,
+            [&](int k, int side) { return place_of(a, k, side); }, member,
+            Tip<T>::load(d.view, d.first), channels, 0, sheet, context.lattice.dx);
+      });
+      team.sync();
+      team.each(x.thread_points(), [&](int k) {
+        if (!hold_at_mouth(x, a, member, k, 1)) hold_at_mouth(x, a, member, k, -1);
+        embed_point(x, grid, k);
       });
       team.sync();
       team.each(x.first_attached(), [&](int q) {
-        faults |= settle_point(x.points, q, x.gauss_points(), channels, 0, sheet, columns,
+        faults |= settle_point(x.points, q, x.thread_points(), channels, 0, sheet, columns,
                                context.lattice.dx);
       });
+      team.sync();
+      team.one([&] { hand_over_impulses(x, member); });
     } else {
       team.each(x.first_attached(), [&](int q) {
         auto& p = x.points[q];
-        bool const tip = x.needle_points > 0 && q == x.gauss_points();
+        bool const tip = x.needle_points > 0 && q == x.thread_points();
         if (tip)
           p.contact = Contact::off;
         else if (p.contact == Contact::member && !(p.coverage >= T(ChannelLimits::coverage)))
@@ -409,6 +423,80 @@ template <class In> struct ExchangeImpulses {
     }
     team.sync();
     return faults;
+  }
+
+  // Moves the point of bead k by so many segments along its thread.
+  template <class X> MPMPBD_HD static void move_point(X const& x, int k, typename X::Scalar along) {
+    using T = typename X::Scalar;
+    ContactPoint<T>& p = x.points[k];
+    p.segment = along < T(0) ? k - 1 : k;
+    p.along = along < T(0) ? 1 + along : along;
+    p.position =
+        (1 - p.along) * x.thread.position[p.segment] + p.along * x.thread.position[p.segment + 1];
+    p.axis = direction((1 - p.along) * x.thread_work.tangent[p.segment] +
+                       p.along * x.thread_work.tangent[p.segment + 1]);
+  }
+
+  // The places on either side of bead k.
+  template <class Arrays> MPMPBD_HD static auto& place_of(Arrays const& a, int k, int side) {
+    return a.aside[2 * k + (side == side_after ? 1 : 0)];
+  }
+  // Leaves the point at the bead.
+  template <class X, class Grid, class Arrays>
+  MPMPBD_HD static void look_aside(X const& x, Grid const& grid, Arrays const& a, int k) {
+    using T = typename X::Scalar;
+    auto const at_bead = x.points[k];
+    for (int const side : {side_before, side_after}) {
+      place_of(a, k, side) = {};
+      if (!detail::is_segment(x.thread, side == side_after ? k : k - 1)) continue;
+      move_point(x, k, side == side_after ? T(aside) : T(-aside));
+      embed_point(x, grid, k);
+      place_of(a, k, side) = {x.points[k].position, x.points[k].coverage};
+    }
+    x.points[k] = at_bead;
+  }
+
+  // Where the thread comes out of the tissue at a mouth it is held, wherever its beads are: the point of the first
+  // bead that is not wholly inside stands there. It moves along the thread as that is drawn through, from bead
+  // to bead, so that nothing jumps. `out` = 1: the thread comes out towards later beads, -1: towards earlier ones.
+  template <class X, class Arrays, class Members>
+  MPMPBD_HD static bool hold_at_mouth(X const& x, Arrays const& a, Members const& member, int k,
+                                      int out) {
+    using T = typename X::Scalar;
+    int const outer = out > 0 ? side_after : side_before, inner = side_before + side_after - outer;
+    int const next = k - out;  // further inside
+    bool const is_half = member(k) == inner;
+    bool const is_next = member(k) == 0 && detail::is_segment(x.thread, min(k, next)) &&
+                         (static_cast<int>(member(next)) & outer) != 0;
+    if (!is_half && !is_next) return false;
+    // The last place inside and the first outside: in segments from bead k, outwards.
+    T const last = is_half ? T(-aside) : T(aside) - 1, first = is_half ? T(aside) : T(-aside);
+    T const in = place_of(a, is_half ? k : next, is_half ? inner : outer).coverage,
+            beyond = place_of(a, k, is_half ? outer : inner).coverage;
+    bool const ends = is_half && !detail::is_segment(x.thread, out > 0 ? k : k - 1);
+    T at = last;
+    if (!ends && beyond < T(ChannelLimits::coverage))
+      at =
+          clamp(last + (in - T(ChannelLimits::lip)) / (in - beyond) * (first - last), T(-1), first);
+    move_point(x, k, T(out) * at);
+    ContactPoint<T>& p = x.points[k];
+    p.length = clamp(T(0.5) + at, T(0), T(1)) * x.thread.rest_length[p.segment];
+    p.contact = Contact::member;
+    return true;
+  }
+
+  // A point that has left the tissue leaves its impulse to the next inside: at a mouth it was often the most loaded
+  // of its thread, and they stand at one place by then.
+  template <class X, class Members>
+  MPMPBD_HD static void hand_over_impulses(X const& x, Members const& member) {
+    for (int k = 0; k < x.thread_points(); ++k) {
+      if (x.points[k].contact != Contact::off) continue;
+      for (int const next : {k - 1, k + 1}) {
+        if (next < 0 || next >= x.thread_points() || member(next) == 0) continue;
+        x.points[next].impulse += x.points[k].impulse;
+        x.points[k].impulse = {};
+      }
+    }
   }
 
   template <class Team_, class Env, class Ctx, class X>
@@ -457,7 +545,7 @@ template <class In> struct ExchangeImpulses {
     auto const w = needle_wrench(x, pose.position);
     add(needle::Force{}, w.force);
     add(needle::Moment{}, w.moment);
-    ContactPoint<T> const& tip = x.points[x.gauss_points()];
+    ContactPoint<T> const& tip = x.points[x.thread_points()];
     T const tip_now = dot(tip.axis, tip.impulse) / x.dt;
     env.template set<needle::TipForce>(
         0, first ? share * tip_now : env.template get<needle::TipForce>(0) + share * tip_now);

@@ -6,7 +6,7 @@
 
 namespace mpmpbd {
 
-// Points in the order of the exchange: two per thread segment, the needle's (its tip first), attachments.
+// Points in the order of the exchange: one per bead, the needle's (its tip first), attachments.
 struct ContactPoints {
   static constexpr FixedString name = "contact point";
 };

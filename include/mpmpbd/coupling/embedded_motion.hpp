@@ -114,7 +114,7 @@ template <class In> struct MoveWithTissue {
       auto const k = context.template of<Needle>();
       auto const pose = needle::pose(d.view, d.first);
       auto const arc = Needle::arc(k);
-      int const tip = n.beads > 1 ? 2 * (n.beads - 1) : 0;
+      int const tip = n.exchange().thread_points();
       // The tip pushes along its axis alone. That axis has turned with the needle meanwhile: the part along
       // the new one would never reach the cap of a needle that turns fast.
       T const impulse = norm(env.template get<contact::Impulse>(tip));

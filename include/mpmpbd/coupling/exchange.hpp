@@ -43,7 +43,7 @@ template <class T> struct PointWork {
   Vec3<T> J;     // impulse so far
   Vec3<T> dJ;    // of the present pass
   Vec3<T> slip_impulse;
-  Hold hold;
+  Hold hold, next;  // the present one, and what it should be after a trial
 };
 
 template <class T> struct ExchangeScratch {
@@ -53,13 +53,13 @@ template <class T> struct ExchangeScratch {
   Vec<T, 6> momentum;  // the needle's right-hand side without contact
   Vec<T, 6> alone;     // the same with thread and needle solved without tissue
   T share;             // of the impulses on offer that is taken
-  int changed;         // holds revised after the last pass
-  int revised;         // holds revised in the whole exchange
+  int changed;         // holds that the last trial found wrong
+  int revised;         // whether any was in the whole exchange
   int failed;
 };
 
-// Everything of one environment. Points: two per thread segment (2k, 2k+1), then those of the needle,
-// then attachments (Contact::tied, anywhere on the thread).
+// Everything of one environment. Points: one per bead of the thread, then those of the needle, then
+// attachments (Contact::tied, anywhere on the thread).
 template <class T, class Form> struct ExchangeView {
   using Scalar = T;
   Lattice<T> lattice;
@@ -78,53 +78,56 @@ template <class T, class Form> struct ExchangeView {
   bool* on;
   ExchangeScratch<T>* scratch;
 
-  MPMPBD_HD int gauss_points() const { return thread.beads > 1 ? 2 * (thread.beads - 1) : 0; }
-  MPMPBD_HD int first_attached() const { return gauss_points() + needle_points; }
+  MPMPBD_HD int thread_points() const { return thread.beads > 1 ? thread.beads : 0; }
+  MPMPBD_HD int first_attached() const { return thread_points() + needle_points; }
   MPMPBD_HD int count() const { return first_attached() + attached_points; }
 };
 
-// Positions and tangents of the thread's points: two Gauss points per segment; one would not see a thread
-// that buckles in a zigzag.
+// Positions and tangents of the thread's points: its beads. Tissue then asks as much of the thread as the thread
+// has unknowns, and all of it can be met by the thread's own motion. Two points per segment ask for more: what
+// is left over binds the tissue to itself. One in the middle of each does not see a zigzag (decision 7).
 template <class Team_, class View_>
 MPMPBD_HD void place_thread_points(Team_ const& team, View_ const& x) {
   using T = typename View_::Scalar;
   measure_segments(team, x.thread, x.thread_work, x.dt);
   bead_tangents(team, x.thread, x.thread_work);
-  team.each(x.gauss_points(), [&](int q) {
+  team.each(x.thread_points(), [&](int q) {
     ContactPoint<T>& p = x.points[q];
-    int const k = q / 2;
-    p.segment = k;
-    p.along = T(q % 2 == 0 ? 0.21132486540518712 : 0.78867513459481288);
-    p.position = (1 - p.along) * x.thread.position[k] + p.along * x.thread.position[k + 1];
-    p.axis = direction((1 - p.along) * x.thread_work.tangent[k] +
-                       p.along * x.thread_work.tangent[k + 1]);
-    p.length = x.thread.rest_length[k] / 2;
-    if (!detail::is_segment(x.thread, k)) p.contact = Contact::off;
+    bool const goes_on = detail::is_segment(x.thread, q);
+    p.segment = goes_on ? q : q - 1;
+    p.along = T(goes_on ? 0 : 1);
+    p.position = x.thread.position[q];
+    p.axis = x.thread_work.tangent[q];
+    T const before = q > 0 ? x.thread.rest_length[q - 1] : T(0);
+    p.length = (before + (goes_on ? x.thread.rest_length[q] : T(0))) / 2;
   });
   team.sync();
 }
 
 // Weights and coverage of all points. Between this and `exchange` the caller decides what each point is
 // (Contact), for which it may read the coverage.
+template <class Form, class T, class Nodes>
+MPMPBD_HD void embed_point(ExchangeView<T, Form> const& x, Nodes const& nodes, int q) {
+  T const full = x.rest_density * x.lattice.dx * x.lattice.dx * x.lattice.dx;
+  int const first = q * x.incidence.per_point;
+  x.points[q].coverage = embedding_weights<typename Form::Shape>(x.lattice, x.points[q].position,
+                                                                 nodes, x.incidence.weight + first,
+                                                                 x.incidence.node + first) /
+                         full;
+}
 template <class Form, class Team_, class T, class Nodes>
 MPMPBD_HD void embed_points(Team_ const& team, ExchangeView<T, Form> const& x, Nodes const& nodes) {
-  T const full = x.rest_density * x.lattice.dx * x.lattice.dx * x.lattice.dx;
-  team.each(x.count(), [&](int q) {
-    int const first = q * x.incidence.per_point;
-    x.points[q].coverage = embedding_weights<typename Form::Shape>(
-                               x.lattice, x.points[q].position, nodes, x.incidence.weight + first,
-                               x.incidence.node + first) /
-                           full;
-  });
+  team.each(x.count(), [&](int q) { embed_point(x, nodes, q); });
   team.sync();
 }
 
 namespace detail {
 
-// How often at most one-sided points that pull are released, one pass each.
-inline constexpr int most_releases = 8;
+// How often at most one-sided points let go and take hold again, one pass each, and after that only let go;
+// how many of these trials may leave as many of them wrong as before.
+inline constexpr int most_trials = 16, most_releases = 8, patience = 3;
 
-enum class Revision { yield, reconsider, release };
+enum class Revision { yield, reconsider, settle, release };
 
 template <class Team_, class T, class Form, class Nodes> struct Exchange {
   using View_ = ExchangeView<T, Form>;
@@ -153,8 +156,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 
   // Calls f(q, share) for the points that act on bead k, in a fixed order.
   template <class F> MPMPBD_HD void for_each_point_of_bead(int k, F const& f) const {
-    int const end = min(2 * k + 2, x.gauss_points());
-    for (int q = max(2 * k - 2, 0); q < end; ++q) visit(q, k, f);
+    int const end = min(k + 2, x.thread_points());
+    for (int q = max(k - 1, 0); q < end; ++q) visit(q, k, f);
     for (int q = x.first_attached(); q < x.count(); ++q) visit(q, k, f);
   }
   template <class F> MPMPBD_HD void visit(int q, int k, F const& f) const {
@@ -210,7 +213,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     } else {
       sum = x.scratch->momentum;
     }
-    for (int q = x.gauss_points(); q < x.first_attached(); ++q) {
+    for (int q = x.thread_points(); q < x.first_attached(); ++q) {
       if (!x.on[q]) continue;
       Vec3<T> const arm = x.points[q].position - x.needle->centre;
       Response<T> const b = response(q);
@@ -287,11 +290,20 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
+  // A bead without segments has no tangent, and at the swage stands the needle's own last point.
+  MPMPBD_HD bool meets_tissue(int q) const {
+    if (q >= x.thread_points()) return true;
+    ContactPoint<T> const& p = x.points[q];
+    bool const at_swage = x.needle_points > 0 && T(p.segment) + p.along == T(x.thread.held);
+    return detail::is_segment(x.thread, p.segment) && !at_swage;
+  }
+
   // -- the steps --------------------------------------------------------------------------------------
 
   MPMPBD_HD std::uint32_t begin() const {
     team.each(x.count(), [&](int q) {
-      x.on[q] = x.points[q].contact != Contact::off && x.points[q].coverage > T(0);
+      ContactPoint<T> const& p = x.points[q];
+      x.on[q] = p.contact != Contact::off && p.coverage > T(0) && meets_tissue(q);
     });
     team.one([&] {
       ExchangeScratch<T>& s = *x.scratch;
@@ -390,7 +402,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.one([&] {
       if (!dynamic()) return;
       Vec<T, 6> sum{};
-      for (int q = x.gauss_points(); q < x.first_attached(); ++q)
+      for (int q = x.thread_points(); q < x.first_attached(); ++q)
         if (x.on[q]) sum -= lift(x.points[q].position - x.needle->centre, x.work[q].J);
       x.scratch->body = sum;
     });
@@ -423,43 +435,93 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
-  // Revises the holds after a trial; tells whether any changed.
-  MPMPBD_HD bool revise(Revision how) const {
+  // Judges every hold after a trial; returns how many should change.
+  MPMPBD_HD int judge(Revision how) const {
     team.one([&] { x.scratch->changed = 0; });
     team.sync();
     team.each(x.count(), [&](int q) {
-      if (!x.on[q]) return;
       PointWork<T>& w = x.work[q];
-      Hold const next = how == Revision::yield        ? yields(q)
-                        : how == Revision::reconsider ? reconsiders(q)
-                                                      : releases(q);
-      if (next == w.hold) return;
-      w.hold = next;
-      team.add(x.scratch->changed, 1);
-      team.add(x.scratch->revised, 1);
+      w.next = x.on[q] ? judged(q, how) : w.hold;
+      if (w.next != w.hold) team.add(x.scratch->changed, 1);
     });
     team.sync();
-    bool const changed = x.scratch->changed > 0;
+    int const changed = x.scratch->changed;
     team.sync();
     return changed;
+  }
+  // Changes the holds as judged: all of them, or the last that is wrong.
+  MPMPBD_HD void adopt(bool all) const {
+    team.one([&] {
+      x.scratch->revised = 1;
+      for (int q = x.count() - 1; q >= 0; --q) {
+        PointWork<T>& w = x.work[q];
+        bool const wrong = w.next != w.hold;
+        w.hold = w.next;
+        if (wrong && !all) return;
+      }
+    });
+    team.sync();
+  }
+  MPMPBD_HD bool revise(Revision how) const {
+    bool const changed = judge(how) > 0;
+    if (changed) adopt(true);
+    return changed;
+  }
+  MPMPBD_HD Hold judged(int q, Revision how) const {
+    bool const one_sided = is_one_sided(x.points[q]);
+    switch (how) {
+      case Revision::yield:
+        return one_sided ? settles(q) : yields(q);
+      case Revision::reconsider:
+        return reconsiders(q);
+      case Revision::settle:
+        return one_sided ? settles(q) : x.work[q].hold;
+      default:
+        return one_sided ? yields(q) : x.work[q].hold;
+    }
   }
   MPMPBD_HD Hold yields(int q) const {
     PointWork<T>& w = x.work[q];
     return law.yields(x.points[q], w.hold, w.J + w.dJ, w.slip_impulse);
   }
-  // One-sided points go on letting go until none pulls and no tip exceeds its cap: these limits are hard.
-  MPMPBD_HD Hold releases(int q) const { return one_sided(q) ? yields(q) : x.work[q].hold; }
-  MPMPBD_HD bool one_sided(int q) const {
-    Contact const c = x.points[q].contact;
-    return c == Contact::surface || c == Contact::tip;
+  MPMPBD_HD Hold returns(int q) const {
+    PointWork<T> const& w = x.work[q];
+    return law.returns(x.points[q], w.hold, w.J + w.dJ, w.u + w.D * w.dJ - body_velocity(q));
   }
   MPMPBD_HD Hold reconsiders(int q) const {
     PointWork<T>& w = x.work[q];
-    ContactPoint<T> const& p = x.points[q];
-    Vec3<T> const slip = w.u + w.D * w.dJ - body_velocity(q);
-    Hold const next = law.returns(p, w.hold, w.J + w.dJ, slip);
+    Hold const next = returns(q);
     if (next != w.hold) w.slip_impulse = {};
-    return one_sided(q) && next == w.hold ? yields(q) : next;
+    return is_one_sided(x.points[q]) && next == w.hold ? yields(q) : next;
+  }
+  // What takes hold again slides freely until the next sweep. If it stuck, it could pull although it would push
+  // when it slides, and trials would go on for ever.
+  MPMPBD_HD Hold settles(int q) const {
+    PointWork<T>& w = x.work[q];
+    if (w.hold != Hold::open && w.hold != Hold::full) return yields(q);
+    Hold const next = returns(q);
+    if (next == w.hold || x.points[q].contact == Contact::tip) return next;
+    w.slip_impulse = {};
+    return Hold::slide;
+  }
+
+  // Which one-sided points touch is a linear complementarity problem, solved by block principal pivoting (Judice
+  // and Pires 1994): those that pull let go, those that would go in take hold, all at once while that leaves
+  // fewer of them wrong, else one at a time. Should it not end, they only let go until none pulls and no tip exceeds
+  // its cap: these limits are hard. Letting go alone would not do: held at once by all its points, a stiff
+  // thread pulls at every second one, and it would end with none.
+  MPMPBD_HD void settle() const {
+    int fewest = x.count() + 1, left = patience;
+    for (int i = 0; i < most_trials + most_releases; ++i) {
+      pass();
+      bool const settling = i < most_trials;
+      int const wrong = judge(settling ? Revision::settle : Revision::release);
+      if (wrong == 0) return;
+      left = wrong < fewest ? patience : left - 1;
+      fewest = min(fewest, wrong);
+      adopt(!settling || left >= 0);
+    }
+    pass();
   }
 
   // After observe(). The first sweep tries every point in stick; the second goes on with what the first
@@ -476,11 +538,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     bool const yielded = revise(Revision::yield);
     if (yielded) pass();
     if (yielded || (Law::grips && !first)) {
-      bool changed = revise(Revision::reconsider);
-      for (int release = 0; changed && release < most_releases; ++release) {
-        pass();
-        changed = revise(Revision::release);
-      }
+      if (revise(Revision::reconsider)) settle();
     }
     push_nodes([&](int q) { return x.work[q].dJ; },
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.velocity += dv; });
@@ -574,7 +632,7 @@ template <class T> struct Wrench { Vec3<T> force, moment; };
 template <class T, class Form>
 MPMPBD_HD Wrench<T> needle_wrench(ExchangeView<T, Form> const& x, Vec3<T> const& centre) {
   Wrench<T> sum{};
-  for (int q = x.gauss_points(); q < x.first_attached(); ++q) {
+  for (int q = x.thread_points(); q < x.first_attached(); ++q) {
     Vec3<T> const f = T(-1) / x.dt * x.points[q].impulse;
     sum.force += f;
     sum.moment += cross(x.points[q].position - centre, f);

@@ -13,9 +13,8 @@ struct ExchangeCapacity {
   int beads, needle_points, attached_points;
   int touched_nodes;
 
-  MPMPBD_HD int points() const {
-    return (beads > 1 ? 2 * (beads - 1) : 0) + needle_points + attached_points;
-  }
+  MPMPBD_HD int thread_points() const { return beads > 1 ? beads : 0; }
+  MPMPBD_HD int points() const { return thread_points() + needle_points + attached_points; }
   template <class Shape> MPMPBD_HD int nodes() const {
     return touched_nodes > 0 ? touched_nodes : points() * nodes_per_point<Shape>;
   }

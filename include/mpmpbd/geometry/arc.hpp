@@ -46,18 +46,17 @@ template <class T> struct Arc {
   MPMPBD_HD T distance(Vec3<T> const& x) const { return norm(x - point(nearest(x))); }
 };
 
-// Where along the arc the contact points are: from the tip to the blunt end at equal spacing, which
-// is dx/2...dx (for an arc shorter than dx/2: its two ends).
+// Where along the arc the contact points are: from the tip to the blunt end at equal spacing, the least
+// that is about a cell or more (a long arc: dx; 1.3 dx at most above 3 dx; an arc shorter than 1.9 dx: its
+// two ends). Closer points carry impulses that alternate along a needle pushed sideways (decision 7).
 template <class T> struct ArcPoints {
   T length;
   int intervals;
 
-  // Aims at 0.75 dx, so that neither limit is near and rounding does not decide the count.
+  // A tenth of a cell may be lacking, so that rounding does not decide about arcs of whole cells.
   MPMPBD_HD static ArcPoints over(Arc<T> const& arc, T dx) {
-    T const wanted = ceil(arc.length() / (T(0.75) * dx));
-    int n = wanted > T(1) ? static_cast<int>(wanted) : 1;
-    if (n == 2 && arc.length() < dx) n = 1;
-    return {arc.length(), n};
+    int const cells = static_cast<int>(arc.length() / dx + T(0.1));
+    return {arc.length(), cells > 1 ? cells : 1};
   }
   MPMPBD_HD constexpr int count() const { return intervals + 1; }
   MPMPBD_HD constexpr T spacing() const { return length / T(intervals); }

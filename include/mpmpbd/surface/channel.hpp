@@ -38,6 +38,7 @@ using PointState = Fields<Position>;
 
 struct ChannelLimits {
   static constexpr double coverage = 0.25;  // theta below which a point is not in tissue
+  static constexpr double lip = 0.4;    // theta where a thread is held as it comes out of a mouth
   static constexpr double mouth = 0.5;  // how close to a mouth a point passes through it [cells]
   static constexpr double track =
       0.5;  // how close to the track a point follows its neighbour [cells]
@@ -226,49 +227,66 @@ MPMPBD_HD std::uint32_t meet_surface(ContactPoint<T>& point, Set const& set, std
   return deep ? static_cast<std::uint32_t>(Fault::penetration) : 0u;
 }
 
-// A line of points in the order of the exchange: `gauss` points of the thread (its last bead is at
-// the needle), then of the needle the tip's axial point and the points along the wire from tip to
-// blunt end. Position, axis (tangent) and coverage are set; contact, and the axis of surface
-// points, are set here. `member(q)` is the stored flag of point q. `swaged`: the thread follows
-// this needle.
+// A thread goes through a mouth between its beads, too. So a bead stands for two places, one on either side of it; what
+// is stored of it is which of them are in a channel.
+enum ThreadSide : int { side_before = 1, side_after = 2 };
+template <class T> struct ThreadPlace {
+  Vec3<T> position;
+  T coverage;  // 0: there is no thread on this side
+};
+
+// A line of points in the order of the exchange: one per bead of the thread (its last bead is at the needle),
+// then of the needle the tip's axial point and the points along the wire from tip to blunt end. Position, axis
+// (tangent) and coverage are set; contact, and the axis of surface points, are set here. `member(q)` is the stored
+// flag of point q, for a bead the sum of its sides in tissue; place(k, side) is where bead k's side is.
+// `swaged`: the thread follows this needle.
 //
 // First the flags, one after the other from the tip to the thread's far end ...
-template <class Members, class Set, class S, class T>
-MPMPBD_HD void update_members(ContactPoint<T>* points, int gauss, int needle_points, bool swaged,
-                              Members const& member, Tip<T> const& tip, Set const& set,
-                              std::int64_t needle, S const& sheet, T dx) {
+template <class Places, class Members, class Set, class S, class T>
+MPMPBD_HD void update_members(ContactPoint<T>* points, int beads, int needle_points, bool swaged,
+                              Places const& place, Members const& member, Tip<T> const& tip,
+                              Set const& set, std::int64_t needle, S const& sheet, T dx) {
   if (needle_points > 0) {
-    ContactPoint<T>& axial = points[gauss];
+    ContactPoint<T>& axial = points[beads];
     axial.contact = tip.state == TipState::outside ? Contact::off : Contact::tip;
     axial.force_cap = tip.cap;
-    member.set(gauss, 0);
+    member.set(beads, 0);
   }
   bool follows = false;
-  auto visit = [&](int q, bool is) {
-    points[q].contact = is ? Contact::member : Contact::off;
-    member.set(q, is ? 1 : 0);
-    follows = is;
+  auto visit = [&](int q, std::int64_t is) {
+    points[q].contact = is != 0 ? Contact::member : Contact::off;
+    member.set(q, is);
   };
-  for (int q = gauss + 1; q < gauss + needle_points; ++q) {
+  for (int q = beads + 1; q < beads + needle_points; ++q) {
     ContactPoint<T> const& p = points[q];
-    bool const first = q == gauss + 1;  // the tip: in tissue when its state says so
-    visit(q, first && tip.state == TipState::inside
-                 ? p.coverage >= T(ChannelLimits::coverage)
-                 : !(first && tip.state == TipState::touch) &&
-                       is_member(set, needle, sheet, p.position, p.coverage, member(q) != 0,
-                                 follows, dx));
+    bool const first = q == beads + 1;  // the tip: in tissue when its state says so
+    follows = first && tip.state == TipState::inside
+                  ? p.coverage >= T(ChannelLimits::coverage)
+                  : !(first && tip.state == TipState::touch) &&
+                        is_member(set, needle, sheet, p.position, p.coverage, member(q) != 0,
+                                  follows, dx);
+    visit(q, follows ? 1 : 0);
   }
   follows = follows && swaged;
-  for (int q = gauss - 1; q >= 0; --q)
-    visit(q, is_member(set, needle, sheet, points[q].position, points[q].coverage, member(q) != 0,
-                       follows, dx));
+  for (int k = beads - 1; k >= 0; --k) {
+    std::int64_t const was = member(k);
+    std::int64_t is = 0;
+    for (int const side : {side_after, side_before}) {
+      ThreadPlace<T> const p = place(k, side);
+      if (!(p.coverage > T(0))) continue;
+      follows =
+          is_member(set, needle, sheet, p.position, p.coverage, (was & side) != 0, follows, dx);
+      if (follows) is += side;
+    }
+    visit(k, is);
+  }
 }
 // ... then every other point by itself (any order, in parallel). The tip's points belong to its
 // state.
 template <class Set, class S, class C, class T>
-MPMPBD_HD std::uint32_t settle_point(ContactPoint<T>* points, int q, int gauss, Set const& set,
+MPMPBD_HD std::uint32_t settle_point(ContactPoint<T>* points, int q, int beads, Set const& set,
                                      std::int64_t needle, S const& sheet, C const& columns, T dx) {
-  bool const of_tip = q == gauss || q == gauss + 1;
+  bool const of_tip = q == beads || q == beads + 1;
   if (of_tip || points[q].contact == Contact::member) return 0u;
   return meet_surface(points[q], set, needle, sheet, columns, dx);
 }

@@ -219,7 +219,7 @@ template <class Scene_, class T> class CouplingProbe {
                   {Distance::name.view(), beads - 1},
                   {Needles::name.view(), 1},
                   {ContactPoints::name.view(),
-                   (Scene_::has_rods ? 2 * (beads - 1) : 0) + (Scene_::has_needle ? points : 0)}};
+                   (Scene_::has_rods ? beads : 0) + (Scene_::has_needle ? points : 0)}};
     return o;
   }
   void add_needle() {
