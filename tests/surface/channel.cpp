@@ -240,6 +240,25 @@ TEMPLATE_TEST_CASE("off the tissue nothing is felt; too deep without a puncture 
   REQUIRE(norm(s.points[0].axis - vec<T>(T(-1), 0, 0)) < T(1e-4));
 }
 
+// A loop that hangs out of the cut, and comes back to it from the side.
+TEMPLATE_TEST_CASE("what follows through the air does not follow", "[channel]", float, double) {
+  using T = TestType;
+  Scene<T> s;
+  s.cut(T(0.0203), T(0.0161), T(0.012));
+  auto const at = [&](int k, T z) { s.points[k].position = vec<T>(T(0.0203), T(0.0161), z); };
+  at(2, T(0.0242));  // in the mouth
+  at(1, T(0.0222));
+  at(0, T(0.0180));
+  s.settle(3, 0, false, Tip<T>::at(vec<T>(0, 0, T(0.03))));
+  for (int k : {2, 1, 0}) REQUIRE(s.points[k].contact == Contact::member);
+  for (int k : {2, 1, 0}) s.members().set(k, 0);
+  at(1, T(0.0285));
+  s.settle(3, 0, false, Tip<T>::at(vec<T>(0, 0, T(0.03))));
+  REQUIRE(s.points[2].contact == Contact::member);
+  REQUIRE(s.points[1].contact == Contact::off);
+  REQUIRE(s.points[0].contact == Contact::off);
+}
+
 TEMPLATE_TEST_CASE("a member stays one wherever the track is, until it leaves the tissue",
                    "[channel]", float, double) {
   using T = TestType;

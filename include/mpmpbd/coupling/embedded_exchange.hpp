@@ -447,7 +447,7 @@ template <class In> struct ExchangeImpulses {
     using T = typename X::Scalar;
     auto const at_bead = x.points[k];
     for (int const side : {side_before, side_after}) {
-      place_of(a, k, side) = {};
+      place_of(a, k, side) = {Vec3<T>{}, T(-1)};
       if (!detail::is_segment(x.thread, side == side_after ? k : k - 1)) continue;
       move_point(x, k, side == side_after ? T(aside) : T(-aside));
       embed_point(x, grid, k);

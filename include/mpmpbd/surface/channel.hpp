@@ -231,8 +231,8 @@ MPMPBD_HD std::uint32_t meet_surface(ContactPoint<T>& point, Set const& set, std
 // is stored of it is which of them are in a channel.
 enum ThreadSide : int { side_before = 1, side_after = 2 };
 template <class T> struct ThreadPlace {
-  Vec3<T> position;
-  T coverage;  // 0: there is no thread on this side
+  Vec3<T> position;  // [m]
+  T coverage;        // theta; negative: the thread has no such side
 };
 
 // A line of points in the order of the exchange: one per bead of the thread (its last bead is at the needle),
@@ -273,7 +273,7 @@ MPMPBD_HD void update_members(ContactPoint<T>* points, int beads, int needle_poi
     std::int64_t is = 0;
     for (int const side : {side_after, side_before}) {
       ThreadPlace<T> const p = place(k, side);
-      if (!(p.coverage > T(0))) continue;
+      if (p.coverage < T(0)) continue;  // and what comes next still follows
       follows =
           is_member(set, needle, sheet, p.position, p.coverage, (was & side) != 0, follows, dx);
       if (follows) is += side;
