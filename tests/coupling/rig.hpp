@@ -153,11 +153,7 @@ void place_on_segments(View const& x, std::vector<typename View::Scalar> const& 
   auto* p = x.points + x.first_attached();
   for (int k = 0; k + 1 < x.thread.beads; ++k)
     for (auto const s : places) {
-      p->segment = k;
-      p->along = s;
-      p->position = (1 - s) * x.thread.position[k] + s * x.thread.position[k + 1];
-      p->axis =
-          mpmpbd::direction((1 - s) * x.thread_work.tangent[k] + s * x.thread_work.tangent[k + 1]);
+      mpmpbd::place_on_thread(x, *p, k, s);
       p->length = x.thread.rest_length[k] / typename View::Scalar(places.size());
       p->contact = Contact::member;
       ++p;

@@ -3,6 +3,7 @@
 
 #include <mpmpbd/coupling/embedded_arrays.hpp>
 #include <mpmpbd/coupling/embedded_fields.hpp>
+#include <mpmpbd/coupling/thread_at_mouth.hpp>
 #include <mpmpbd/needle/arc_needle.hpp>
 #include <mpmpbd/needle/contact_points.hpp>
 #include <mpmpbd/pbd/access.hpp>
@@ -96,9 +97,6 @@ template <class In> struct ExchangeImpulses {
     }
     return n;
   }
-
-  // How far from a bead its thread is looked at on either side [segments]: where a Gauss point would be.
-  static constexpr double aside = 0.21132486540518712;
 
   // Bytes of scratch for one environment.
   template <class Env, class Ctx>
@@ -390,18 +388,19 @@ template <class In> struct ExchangeImpulses {
       if (context.tick.substep == 0) team.one([&] { faults |= columns.build(sheet); });
       team.sync();
       auto const member = detail::row<channel::Member<ContactPoints>>(env);
-      team.each(x.thread_points(), [&](int k) { look_aside(x, grid, a, k); });
+      team.each(x.thread_points(), [&](int k) { detail::look_aside(x, grid, a.aside, k); });
       team.sync();
       team.one([&] {
         auto const& d = env.template domain<Needles>();
         update_members(
             x.points, x.thread_points(), x.needle_points, swaged,
-            [&](int k, int side) { return place_of(a, k, side); }, member,
+            [&](int k, int side) { return detail::thread_place(a.aside, k, side); }, member,
             Tip<T>::load(d.view, d.first), channels, 0, sheet, context.lattice.dx);
       });
       team.sync();
       team.each(x.thread_points(), [&](int k) {
-        if (!hold_at_mouth(x, a, member, k, 1)) hold_at_mouth(x, a, member, k, -1);
+        if (!detail::hold_at_mouth(x, a.aside, member, k, 1))
+          detail::hold_at_mouth(x, a.aside, member, k, -1);
         embed_point(x, grid, k);
       });
       team.sync();
@@ -410,7 +409,7 @@ template <class In> struct ExchangeImpulses {
                                context.lattice.dx);
       });
       team.sync();
-      team.one([&] { hand_over_impulses(x, member); });
+      team.one([&] { detail::hand_over_impulses(x, member); });
     } else {
       team.each(x.first_attached(), [&](int q) {
         auto& p = x.points[q];
@@ -423,80 +422,6 @@ template <class In> struct ExchangeImpulses {
     }
     team.sync();
     return faults;
-  }
-
-  // Moves the point of bead k by so many segments along its thread.
-  template <class X> MPMPBD_HD static void move_point(X const& x, int k, typename X::Scalar along) {
-    using T = typename X::Scalar;
-    ContactPoint<T>& p = x.points[k];
-    p.segment = along < T(0) ? k - 1 : k;
-    p.along = along < T(0) ? 1 + along : along;
-    p.position =
-        (1 - p.along) * x.thread.position[p.segment] + p.along * x.thread.position[p.segment + 1];
-    p.axis = direction((1 - p.along) * x.thread_work.tangent[p.segment] +
-                       p.along * x.thread_work.tangent[p.segment + 1]);
-  }
-
-  // The places on either side of bead k.
-  template <class Arrays> MPMPBD_HD static auto& place_of(Arrays const& a, int k, int side) {
-    return a.aside[2 * k + (side == side_after ? 1 : 0)];
-  }
-  // Leaves the point at the bead.
-  template <class X, class Grid, class Arrays>
-  MPMPBD_HD static void look_aside(X const& x, Grid const& grid, Arrays const& a, int k) {
-    using T = typename X::Scalar;
-    auto const at_bead = x.points[k];
-    for (int const side : {side_before, side_after}) {
-      place_of(a, k, side) = {Vec3<T>{}, T(-1)};
-      if (!detail::is_segment(x.thread, side == side_after ? k : k - 1)) continue;
-      move_point(x, k, side == side_after ? T(aside) : T(-aside));
-      embed_point(x, grid, k);
-      place_of(a, k, side) = {x.points[k].position, x.points[k].coverage};
-    }
-    x.points[k] = at_bead;
-  }
-
-  // Where the thread comes out of the tissue at a mouth it is held, wherever its beads are: the point of the first
-  // bead that is not wholly inside stands there. It moves along the thread as that is drawn through, from bead
-  // to bead, so that nothing jumps. `out` = 1: the thread comes out towards later beads, -1: towards earlier ones.
-  template <class X, class Arrays, class Members>
-  MPMPBD_HD static bool hold_at_mouth(X const& x, Arrays const& a, Members const& member, int k,
-                                      int out) {
-    using T = typename X::Scalar;
-    int const outer = out > 0 ? side_after : side_before, inner = side_before + side_after - outer;
-    int const next = k - out;  // further inside
-    bool const is_half = member(k) == inner;
-    bool const is_next = member(k) == 0 && detail::is_segment(x.thread, min(k, next)) &&
-                         (static_cast<int>(member(next)) & outer) != 0;
-    if (!is_half && !is_next) return false;
-    // The last place inside and the first outside: in segments from bead k, outwards.
-    T const last = is_half ? T(-aside) : T(aside) - 1, first = is_half ? T(aside) : T(-aside);
-    T const in = place_of(a, is_half ? k : next, is_half ? inner : outer).coverage,
-            beyond = place_of(a, k, is_half ? outer : inner).coverage;
-    bool const ends = is_half && !detail::is_segment(x.thread, out > 0 ? k : k - 1);
-    T at = last;
-    if (!ends && beyond < T(ChannelLimits::coverage))
-      at =
-          clamp(last + (in - T(ChannelLimits::lip)) / (in - beyond) * (first - last), T(-1), first);
-    move_point(x, k, T(out) * at);
-    ContactPoint<T>& p = x.points[k];
-    p.length = clamp(T(0.5) + at, T(0), T(1)) * x.thread.rest_length[p.segment];
-    p.contact = Contact::member;
-    return true;
-  }
-
-  // A point that has left the tissue leaves its impulse to the next inside: at a mouth it was often the most loaded
-  // of its thread, and they stand at one place by then.
-  template <class X, class Members>
-  MPMPBD_HD static void hand_over_impulses(X const& x, Members const& member) {
-    for (int k = 0; k < x.thread_points(); ++k) {
-      if (x.points[k].contact != Contact::off) continue;
-      for (int const next : {k - 1, k + 1}) {
-        if (next < 0 || next >= x.thread_points() || member(next) == 0) continue;
-        x.points[next].impulse += x.points[k].impulse;
-        x.points[k].impulse = {};
-      }
-    }
   }
 
   template <class Team_, class Env, class Ctx, class X>

@@ -271,7 +271,7 @@ MPMPBD_HD void update_members(ContactPoint<T>* points, int beads, int needle_poi
   for (int k = beads - 1; k >= 0; --k) {
     std::int64_t const was = member(k);
     std::int64_t is = 0;
-    for (int const side : {side_after, side_before}) {
+    for (int side = side_after; side >= side_before; --side) {
       ThreadPlace<T> const p = place(k, side);
       if (p.coverage < T(0)) continue;  // and what comes next still follows
       follows =

@@ -1,0 +1,129 @@
+// What an exchange works on, and where its points stand.
+#pragma once
+
+#include <mpmpbd/coupling/contact_law.hpp>
+#include <mpmpbd/coupling/incidence.hpp>
+#include <mpmpbd/coupling/thread_blocks.hpp>
+#include <mpmpbd/coupling/weights.hpp>
+
+namespace mpmpbd {
+
+// What is known at compile time. `bends`: the thread resists bending.
+template <class Shape_, class FrictionLaw_, class DragLaw_, bool bends_> struct EmbeddedForm {
+  using Shape = Shape_;
+  using FrictionLaw = FrictionLaw_;
+  using DragLaw = DragLaw_;
+  static constexpr bool bends = bends_;
+};
+
+enum class Motion : int { absent, kinematic, dynamic };
+
+// The needle. Its velocity is given (kinematic) or found (dynamic: mass and inertia about `centre`, its
+// centre of mass). The caller moves it with the velocity that the exchange leaves.
+template <class T> struct RigidBody {
+  Motion motion;
+  bool
+      swaged;  // the last bead of the thread is fixed to it; with a kinematic body it is a known bead
+  Vec3<T> centre, velocity, spin;
+  T mass;
+  Mat3<T> inertia;  // in world axes
+};
+
+// Scratch of one point.
+template <class T> struct PointWork {
+  T D;           // splitting
+  Vec3<T> slip;  // before the exchange, with the thread solved alone
+  Vec3<T> u;     // tissue velocity there, at the start of a sweep
+  Vec3<T> J;     // impulse so far
+  Vec3<T> dJ;    // of the present pass
+  Vec3<T> slip_impulse;
+  Hold hold, next;  // the present one, and what it should be after a trial
+};
+
+template <class T> struct ExchangeScratch {
+  Mat<T, 7, 7> end_factor;
+  RigidEnd<T> end;
+  Vec<T, 6> body;      // velocity and spin of the needle in the present trial
+  Vec<T, 6> momentum;  // the needle's right-hand side without contact
+  Vec<T, 6> alone;     // the same with thread and needle solved without tissue
+  T share;             // of the impulses on offer that is taken
+  int changed;         // holds that the last trial found wrong
+  int revised;         // whether any was in the whole exchange
+  int failed;
+};
+
+// Everything of one environment. Points: one per bead of the thread, then those of the needle, then
+// attachments (Contact::tied, anywhere on the thread).
+template <class T, class Form> struct ExchangeView {
+  using Scalar = T;
+  Lattice<T> lattice;
+  T rest_density;     // of the tissue [kg/m^3]
+  T dt, previous_dt;  // [s]
+  ThreadState<T> thread;
+  RigidBody<T>* needle;  // never null; Motion::absent without one
+  ContactPoint<T>* points;
+  int needle_points, attached_points;
+  parameters_t<typename Form::FrictionLaw, T> friction;
+  parameters_t<typename Form::DragLaw, T> drag;
+
+  ThreadWork<T, Form::bends> thread_work;
+  Incidence<T> incidence;
+  PointWork<T>* work;
+  bool* on;
+  ExchangeScratch<T>* scratch;
+
+  MPMPBD_HD int thread_points() const { return thread.beads > 1 ? thread.beads : 0; }
+  MPMPBD_HD int first_attached() const { return thread_points() + needle_points; }
+  MPMPBD_HD int count() const { return first_attached() + attached_points; }
+};
+
+// Puts a point on its thread: at `along`, in [0, 1], of a segment. The tangent goes from bead to bead evenly.
+template <class View_, class T>
+MPMPBD_HD void place_on_thread(View_ const& x, ContactPoint<T>& p, int segment, T along) {
+  p.segment = segment;
+  p.along = along;
+  p.position = (1 - along) * x.thread.position[segment] + along * x.thread.position[segment + 1];
+  p.axis = direction((1 - along) * x.thread_work.tangent[segment] +
+                     along * x.thread_work.tangent[segment + 1]);
+}
+
+// Positions and tangents of the thread's points: its beads. Tissue then asks as much of the thread as the thread
+// has unknowns, and all of it can be met by the thread's own motion. Two points per segment ask for more: what
+// is left over binds the tissue to itself. One in the middle of each does not see a zigzag (decision 7).
+template <class Team_, class View_>
+MPMPBD_HD void place_thread_points(Team_ const& team, View_ const& x) {
+  using T = typename View_::Scalar;
+  measure_segments(team, x.thread, x.thread_work, x.dt);
+  bead_tangents(team, x.thread, x.thread_work);
+  team.each(x.thread_points(), [&](int q) {
+    ContactPoint<T>& p = x.points[q];
+    bool const goes_on = detail::is_segment(x.thread, q);
+    p.segment = goes_on ? q : q - 1;
+    p.along = T(goes_on ? 0 : 1);
+    p.position = x.thread.position[q];
+    p.axis = x.thread_work.tangent[q];
+    T const before = q > 0 ? x.thread.rest_length[q - 1] : T(0);
+    p.length = (before + (goes_on ? x.thread.rest_length[q] : T(0))) / 2;
+  });
+  team.sync();
+}
+
+// Weights and coverage of one point.
+template <class Form, class T, class Nodes>
+MPMPBD_HD void embed_point(ExchangeView<T, Form> const& x, Nodes const& nodes, int q) {
+  T const full = x.rest_density * x.lattice.dx * x.lattice.dx * x.lattice.dx;
+  int const first = q * x.incidence.per_point;
+  x.points[q].coverage = embedding_weights<typename Form::Shape>(x.lattice, x.points[q].position,
+                                                                 nodes, x.incidence.weight + first,
+                                                                 x.incidence.node + first) /
+                         full;
+}
+// Weights and coverage of all points. Between this and `exchange` the caller decides what each point is
+// (Contact), for which it may read the coverage.
+template <class Form, class Team_, class T, class Nodes>
+MPMPBD_HD void embed_points(Team_ const& team, ExchangeView<T, Form> const& x, Nodes const& nodes) {
+  team.each(x.count(), [&](int q) { embed_point(x, nodes, q); });
+  team.sync();
+}
+
+}  // namespace mpmpbd
