@@ -32,16 +32,18 @@ MPMPBD_HD Neighbourhood<T> neighbourhood(Lattice<T> const& lattice, Vec3<T> cons
 
 // Calls f(a, node, weight, d) for every node of a point in a fixed order; d = x_i - x in cells.
 template <class Shape, class T, class F>
-MPMPBD_HD void for_each_node(Lattice<T> const& lattice, Neighbourhood<T> const& s, F const& f) {
+MPMPBD_INLINE void for_each_node(Lattice<T> const& lattice, Neighbourhood<T> const& s, F const& f) {
+  T weight[3][Shape::width];
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < Shape::width; ++i) weight[axis][i] = Shape::weight(i, s.f[axis]);
   int a = 0;
   for (int k = 0; k < Shape::width; ++k)
-    for (int j = 0; j < Shape::width; ++j)
-      for (int i = 0; i < Shape::width; ++i, ++a) {
-        int const node =
-            static_cast<int>(lattice.index(s.base[0] + i, s.base[1] + j, s.base[2] + k));
-        T const w = Shape::weight(i, s.f[0]) * Shape::weight(j, s.f[1]) * Shape::weight(k, s.f[2]);
-        f(a, node, w, vec(T(i) - s.f[0], T(j) - s.f[1], T(k) - s.f[2]));
-      }
+    for (int j = 0; j < Shape::width; ++j) {
+      int const row = static_cast<int>(lattice.index(s.base[0], s.base[1] + j, s.base[2] + k));
+      for (int i = 0; i < Shape::width; ++i, ++a)
+        f(a, row + i, weight[0][i] * weight[1][j] * weight[2][k],
+          vec(T(i) - s.f[0], T(j) - s.f[1], T(k) - s.f[2]));
+    }
 }
 
 }  // namespace detail
@@ -58,19 +60,21 @@ MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes
   auto const near = detail::neighbourhood<Shape>(lattice, x);
   if (!near.inside) return T(0);
   T total = T(0);
-  Vec3<T> first{};   // M1 = sum w d
-  Mat3<T> second{};  // M2 = sum w d d^T
+  Vec3<T> first{};     // M1 = sum w d
+  T xx{}, xy{}, xz{};  // M2 = sum w d d^T
+  T yy{}, yz{}, zz{};
   detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T w, Vec3<T> const& d) {
     T const wm = w * nodes.mass(i);
     total += wm;
     weight[a] = wm;
     node[a] = i;
     first += wm * d;
-    second += wm * outer(d, d);
+    xx += wm * (d[0] * d[0]), xy += wm * (d[0] * d[1]), xz += wm * (d[0] * d[2]);
+    yy += wm * (d[1] * d[1]), yz += wm * (d[1] * d[2]), zz += wm * (d[2] * d[2]);
   });
   if (!(total > T(0))) return T(0);
   first *= T(1) / total;
-  second *= T(1) / total;
+  Mat3<T> const second = T(1) / total * Mat3<T>{{xx, xy, xz, xy, yy, yz, xz, yz, zz}};
   T const third = trace(second) / 3;
   if (!(determinant(second) > T(1e-6) * third * third * third)) return T(0);
   Vec3<T> const z = inverse(second) * first;
