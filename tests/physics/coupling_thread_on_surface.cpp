@@ -76,7 +76,7 @@ Run block(std::vector<Vec3<double>> const& way) {
                                        {"contact point", points},
                                        {"sheet vertex", std::int64_t(mesh.positions.size())},
                                        {"sheet triangle", std::int64_t(mesh.triangles.size())},
-                                       {"marker", 1},
+                                       {"marker", 0},
                                        {"event", 4},
                                        {"channel", 1},
                                        {"channel point", 64}})
@@ -230,4 +230,20 @@ TEST_CASE("a taut thread that comes out of a channel is in tissue inside it alon
   CHECK(shortest > channel - 1);   // but all of what is inside
   CHECK(deepest < 0.25);
   CHECK(!has(sim.status(0), Fault::penetration));
+}
+
+TEST_CASE("a puncture is noticed in a scene without markers", "[coupling][embedded][surface]") {
+  auto sim = block({vec(1.3 * dx, corner[1], top + dx), vec(14.7 * dx, corner[1], top + dx)});
+  auto& state = sim.state();
+  double const arc_radius = 3 * dx, half = std::sqrt(0.5);
+  sim.set<ArcNeedle>({arc_radius, 1.0, radius, dx, 0.01, 0.005});
+  Vec3<double> const tip = vec(corner[0] + 5.1 * dx, middle, top + 0.2 * dx);
+  Pose<double> const above{tip - vec(arc_radius, 0.0, 0.0), {{half, -half, 0, 0}}};  // points down
+  needle::set_pose(state.view<Needles>(), 0, above);
+  Tip<double>::at(tip).store(state.view<Needles>(), 0);
+  needle::set_twist(state.view<Needles>(), 0, Twist<double>{vec(0.0, 0.0, -0.05), {}});
+  for (int s = 0; s < 60 && state.get<event::Count>(0) == 0; ++s) sim.step(1e-3);
+  REQUIRE(state.get<event::Count>(0) == 1);
+  CHECK(state.get<event::Kind>(0, 0) == std::int64_t(EventKind::entry));
+  CHECK(state.get<event::Miss>(0, 0) == infinity<double>);
 }

@@ -95,6 +95,8 @@ template <class T> inline constexpr T epsilon = T(0);
 template <> inline constexpr float epsilon<float> = 1.1920929e-07f;
 template <> inline constexpr double epsilon<double> = 2.220446049250313e-16;
 
+template <class T> inline constexpr T infinity = static_cast<T>(__builtin_huge_val());
+
 // Four times the smallest normal number: everything from here on has a finite inverse.
 template <class T> inline constexpr T least_invertible = T(0);
 template <> inline constexpr float least_invertible<float> = 0x1p-124f;

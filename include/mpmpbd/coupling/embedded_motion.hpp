@@ -131,13 +131,13 @@ template <class In> struct MoveWithTissue {
     return faults;
   }
 
-  // Where marker m is now (0: entry, 1: exit); far away when the scene has set none.
+  // Where marker m is now (0: entry, 1: exit); infinitely far where the scene has set none.
   template <class Env, class S>
   MPMPBD_HD static auto marker_at(Env const& env, S const& sheet, int m) {
+    using T = typename Env::Scalar;
     auto const& d = env.template domain<Markers>();
-    auto const mark = marker::load(d.view, d.first + m);
-    return env.template live<Markers>() > m ? position(sheet, mark)
-                                            : position(sheet, decltype(mark){0, {}});
+    if (m >= d.count) return vec(infinity<T>, infinity<T>, infinity<T>);
+    return position(sheet, marker::load(d.view, d.first + m));
   }
 };
 

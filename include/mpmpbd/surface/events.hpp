@@ -21,8 +21,8 @@ struct Position : Field<"x", "m", Vector, Events> {};  // when it happened
 struct Step : Field<"step", "1", Integer, Events> {};
 struct Time : Field<"time", "s", Number, Events> {};
 struct Force : Field<"force", "N", Number, Events> {};  // axial force on the tip in that substep
-struct Miss : Field<"miss", "m", Number, Events> {
-};  // distance to the marker in the deformed state
+// Distance to the marker in the deformed state; infinite where the scene has set none.
+struct Miss : Field<"miss", "m", Number, Events> {};
 struct Count : Field<"events", "1", Integer, Environments> {};
 
 using State = Fields<Kind, Needle, Triangle, Weights, Position, Step, Time, Force, Miss>;
