@@ -22,30 +22,30 @@ enum class Motion : int { absent, kinematic, dynamic };
 // centre of mass). The caller moves it with the velocity that the exchange leaves.
 template <class T> struct RigidBody {
   Motion motion;
-  bool
-      swaged;  // the last bead of the thread is fixed to it; with a kinematic body it is a known bead
-  Vec3<T> centre, velocity, spin;
-  T mass;
-  Mat3<T> inertia;  // in world axes
+  // The last bead of the thread is fixed to it; with a kinematic body it is a known bead.
+  bool swaged;
+  Vec3<T> centre, velocity, spin;  // [m], [m/s], [rad/s]
+  T mass;                          // [kg]
+  Mat3<T> inertia;                 // in world axes [kg m^2]
 };
 
 // Scratch of one point.
 template <class T> struct PointWork {
-  T D;           // splitting
-  Vec3<T> slip;  // before the exchange, with the thread solved alone
-  Vec3<T> u;     // tissue velocity there, at the start of a sweep
-  Vec3<T> J;     // impulse so far
-  Vec3<T> dJ;    // of the present pass
-  Vec3<T> slip_impulse;
-  Hold hold, next;  // the present one, and what it should be after a trial
+  T D;                   // splitting: tissue velocity per impulse [1/kg]
+  Vec3<T> slip;          // before the exchange, with the thread solved alone [m/s]
+  Vec3<T> u;             // tissue velocity there, at the start of a sweep [m/s]
+  Vec3<T> J;             // impulse so far [N s]
+  Vec3<T> dJ;            // of the present pass [N s]
+  Vec3<T> slip_impulse;  // friction that it slides with [N s]
+  Hold hold, next;       // the present one, and what it should be after a trial
 };
 
 template <class T> struct ExchangeScratch {
   Mat<T, 7, 7> end_factor;
   RigidEnd<T> end;
-  Vec<T, 6> body;      // velocity and spin of the needle in the present trial
-  Vec<T, 6> momentum;  // the needle's right-hand side without contact
-  Vec<T, 6> alone;     // the same with thread and needle solved without tissue
+  Vec<T, 6> body;      // velocity and spin of the needle in the present trial [m/s, rad/s]
+  Vec<T, 6> momentum;  // the needle's right-hand side without contact [N s, N m s]
+  Vec<T, 6> alone;     // velocity and spin with thread and needle solved without tissue
   T share;             // of the impulses on offer that is taken
   int changed;         // holds that the last trial found wrong
   int revised;         // whether any was in the whole exchange

@@ -39,6 +39,7 @@ MPMPBD_HD void look_aside(X const& x, Grid const& grid, ThreadPlace<T>* places, 
 // Where the thread comes out of the tissue at a mouth it is held, wherever its beads are: the point of the first
 // bead that is not wholly inside stands there. It moves along the thread as that is drawn through, from bead
 // to bead, so that nothing jumps. `out` = 1: the thread comes out towards later beads, -1: towards earlier ones.
+// Returns whether bead k is that one.
 template <class X, class T, class Members>
 MPMPBD_HD bool hold_at_mouth(X const& x, ThreadPlace<T>* places, Members const& member, int k,
                              int out) {
