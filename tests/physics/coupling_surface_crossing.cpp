@@ -73,9 +73,9 @@ template <class T> double largest_jump(double jitter, double surface, double lea
 // Aim: 0.15. It is missed: a point takes hold only where the correction of its weights has fallen to 4
 // (coupling/weights.hpp), at a coverage of about 0.33, and then at once with 0.25 of a cell's worth where the
 // surface is a node plane, with 0.11 to 0.29 elsewhere. With a limit of 8 or 10 it takes hold at a coverage of
-// 0.25, with 0.086 at a node plane and up to 0.20 elsewhere. But then the last point of the needle glues the skin
-// to itself as it comes out: in `phantom` it lets go under a load of 14 mN, all of it at once, and the thread
-// that should be taut is pushed for 0.1 s (limit 8: 0.5 mN, limit 10: 2.6 mN). The stitch decides.
+// 0.25, with 0.085 to 0.088 at a node plane and up to 0.20 elsewhere. But then the pull on the needle of `phantom`
+// drops by 14 mN within 16 ms as its blunt end comes out, and the thread that should be taut is pushed (least
+// tension while pulled: -0.5 mN with limit 8, -2.6 mN with 10, +0.31 mN with 4). The stitch decides.
 TEMPLATE_TEST_CASE("a line enters the tissue without a jerk", "[coupling][surface]", double,
                    float) {
   for (double jitter : {0.0, 0.5})
