@@ -80,6 +80,12 @@ if [[ ${cuda,,} != off ]]; then
 fi
 options=("-DCMAKE_CUDA_ARCHITECTURES=$arch")
 [[ -z $cuda ]] || options+=("-DMPMPBD_CUDA=${cuda^^}")
+# What -O2 takes longer to compile with asan, only the tier physics wins back.
+if [[ $sanitizer == asan-ubsan ]]; then
+  level=1
+  [[ $tiers == unit ]] || level=2
+  options+=("-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O$level -g1")
+fi
 step "configure $preset" cmake --preset "$preset" -B "$build" "${options[@]}"
 
 # Our .cu sources that a build compiles; those of the consumers in tests/package are their own.
