@@ -3,6 +3,8 @@
 // cells, 2 cells outside at each end, where it is pulled with T.
 #pragma once
 
+#include <algorithm>
+
 #include "physics/tissue_block.hpp"
 #include "physics/units.hpp"
 
@@ -36,6 +38,7 @@ struct BentResult {
   double slide_early = 0, slide_end = 0;  // of the thread along itself, at the same times [cells]
   double tissue = 0;                      // mean displacement of the bend along its bisector
   double stretch = 0;                     // largest strain after t = 100
+  double mean_stretch = 0;                // of the segment with the largest mean after t = 100
   double energy_rise = 0;                 // above its running minimum, relative
   double pulled = 0, held = 0;  // mean tensions of the two end segments, last 30 % of the time
   bool ran_away = false;
@@ -66,6 +69,8 @@ template <class T, class Form> struct BentThread {
   double time = 0, lowest = 1e300;  // [units]
   BentResult result;
   long samples = 0;
+  std::vector<double> strain_sum;  // per segment after t = 100
+  long strains = 0;
 
   explicit BentThread(BentCase const& c_) : c(c_) {
     fill_tissue();
@@ -93,6 +98,7 @@ template <class T, class Form> struct BentThread {
     for (int k = 0; k <= c.segments; ++k)
       rig.add_bead(mpmpbd::cast<T>(u.length * bent_path(bent_length * k / c.segments)),
                    T(c.bead_mass * u.mass()));
+    strain_sum.assign(std::size_t(c.segments), 0.0);
     auto const more = std::size_t(two_points() ? 2 * c.segments : 0);
     rig.allocate({}, std::vector<mpmpbd::ContactPoint<T>>(more));
     for (auto& p : rig.points) p.radius = T(c.radius * u.length);
@@ -266,6 +272,8 @@ template <class T, class Form> struct BentThread {
         ++bend;
       }
     result.tissue /= bend * u.length;
+    result.mean_stretch =
+        *std::max_element(strain_sum.begin(), strain_sum.end()) / double(std::max(strains, 1L));
     result.pulled /= double(std::max(samples, 1L));
     result.held /= double(std::max(samples, 1L));
     return result;
@@ -289,16 +297,21 @@ template <class T, class Form> struct BentThread {
       lowest = std::min(lowest, e);
       result.energy_rise = std::max(result.energy_rise, (e - lowest) / std::abs(lowest));
     }
-    if (time > 100)
-      for (std::size_t k = 0; k + 1 < rig.bead.size(); ++k)
-        result.stretch = std::max(
-            result.stretch,
-            std::abs(double(mpmpbd::norm(rig.bead[k + 1] - rig.bead[k]) / rig.rest_length[k]) - 1));
+    if (time > 100) measure_stretch();
     if (time > 0.7 * c.end) {
       double const per_step = double(rig.dt) * u.force();
       result.pulled += double(rig.impulse.front()) / per_step;
       result.held += double(rig.impulse[rig.bead.size() - 2]) / per_step;
       ++samples;
+    }
+  }
+  void measure_stretch() {
+    ++strains;
+    for (std::size_t k = 0; k + 1 < rig.bead.size(); ++k) {
+      double const strain =
+          double(mpmpbd::norm(rig.bead[k + 1] - rig.bead[k]) / rig.rest_length[k]) - 1;
+      strain_sum[k] += strain;
+      result.stretch = std::max(result.stretch, std::abs(strain));
     }
   }
 };

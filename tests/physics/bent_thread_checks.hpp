@@ -41,18 +41,27 @@ inline double bent_growth(BentCase const& c, BentResult const& r) {
   double const angle = bent_length / c.segments / (2 * bend_radius);
   return r.slip_end - r.slip_early - angle * std::abs(r.slide_end - r.slide_early);
 }
-inline std::vector<Demand> bent_demands(BentCase const& c, BentResult const& r) {
+// An impulse T dt of relative error u, half an ulp, moves a bead of mass m by u T dt^2 / m: a strain of
+// u (EA/l) dt^2 / m times T/EA. Each bead meets such an error in every step. Below 2e-8 of T/EA in double.
+template <class T> double strain_rounding(BentCase const& c) {
+  double const per_length = c.stiffness / (bent_length / c.segments);
+  return 0.5 * double(mpmpbd::epsilon<T>) * per_length * c.dt * c.dt / c.bead_mass;
+}
+template <class T> std::vector<Demand> bent_demands(BentCase const& c, BentResult const& r) {
   BentReference const reference = bent_reference(c.tension);
   auto const off = [](double a, double b) { return std::abs(a / b - 1); };
-  return {{"runs", r.ran_away ? 1.0 : 0.0, 0.5},
-          {"slip", r.slip_end, 0.05},
-          {"growth", bent_growth(c, r), 0.005},
-          {"tissue", off(r.tissue, reference.dead_load), 0.05},
-          {"dt/4", off(r.tissue, reference.quarter_step), 0.05},
-          {"stretch", r.stretch, 0.01},
-          {"EA", off(r.stretch, c.tension / c.stiffness), 0.1},
-          {"energy", r.energy_rise, 0.005},
-          {"tension", off(r.held, c.tension), 0.01}};
+  return {
+      {"runs", r.ran_away ? 1.0 : 0.0, 0.5},
+      {"slip", r.slip_end, 0.05},
+      {"growth", bent_growth(c, r), 0.005},
+      {"tissue", off(r.tissue, reference.dead_load), 0.05},
+      {"dt/4", off(r.tissue, reference.quarter_step), 0.05},
+      {"stretch", r.stretch, 0.01},
+      {"EA", off(r.mean_stretch, c.tension / c.stiffness), 0.1},
+      // Of some 10^4 samples of 16 segments; four such errors, one of each of the bead's impulses.
+      {"peak", off(r.stretch, c.tension / c.stiffness), 0.1 + 4 * strain_rounding<T>(c)},
+      {"energy", r.energy_rise, 0.005},
+      {"tension", off(r.held, c.tension), 0.01}};
 }
 
 template <class T> BentResult run_bent(BentCase const& c) {
@@ -64,7 +73,7 @@ template <class T> void check_bent_threads() {
   for (double mass : {1e-4, 1.0})
     for (double friction : {0.0, 0.2}) {
       BentCase const c{.tension = 4, .bead_mass = mass, .dt = 0.1, .friction = friction};
-      for (Demand const& d : bent_demands(c, run_bent<T>(c))) {
+      for (Demand const& d : bent_demands<T>(c, run_bent<T>(c))) {
         CAPTURE(mass, friction, d.what, d.value, d.limit);
         CHECK(d.met());
       }

@@ -17,13 +17,13 @@ std::string unmet(std::vector<Demand> const& demands) {
 
 template <class T> void row(BentCase const& c) {
   BentResult const r = run_bent<T>(c);
-  auto const demands = bent_demands(c, r);
+  auto const demands = bent_demands<T>(c, r);
   std::printf(
-      "| %s | %g | %g | %g | %g | %.4f | %+.4f | %.4f | %.4f | %+.1f %% | %.5f | %.2f %% | %s |\n",
+      "| %s | %g | %g | %g | %g | %.4f | %+.4f | %.4f | %.4f | %+.1f %% | %.5f | %.5f | %.2f %% | %s |\n",
       sizeof(T) == 4 ? "float" : "double", c.dt, c.tension, c.bead_mass, c.friction, r.slip_end,
       r.slip_end - r.slip_early, std::abs(r.slide_end - r.slide_early), r.tissue,
-      100 * (r.tissue / bent_reference(c.tension).dead_load - 1), r.stretch, 100 * r.energy_rise,
-      unmet(demands).c_str());
+      100 * (r.tissue / bent_reference(c.tension).dead_load - 1), r.stretch, r.mean_stretch,
+      100 * r.energy_rise, unmet(demands).c_str());
   std::fflush(stdout);
   CAPTURE(c.dt, c.tension, c.bead_mass, c.friction);
   CHECK(unmet(demands) == "-");

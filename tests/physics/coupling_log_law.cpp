@@ -74,8 +74,8 @@ struct Compliance {
   double unsteady;  // relative change of the force while the tissue comes to rest
 };
 
-// Shear waves cross the disc in t = b. It is pulled for four such times and comes to rest in another ten;
-// damping would scale the reaction, so the last part goes without.
+// Shear waves cross the disc in t = b. It is pulled for four such times and comes to rest in another ten, the
+// last of them without damping.
 Compliance pull(int radius, double off_x, double off_y) {
   Shaft s(radius, off_x, off_y);
   double const way = 0.05 * s.unit.length, pulling = 4 * radius, still = 13 * radius,
@@ -85,7 +85,7 @@ Compliance pull(int radius, double off_x, double off_y) {
   while (s.time < end) {
     s.tissue.damping = s.time < still ? 3.0 / (radius * s.unit.time()) : 0;
     double const f = s.step(s.time < pulling ? way / (pulling * s.unit.time()) : 0);
-    if (s.time < 0.8 * still) early = f / (1 - s.tissue.damping * s.rig.dt);
+    if (s.time < 0.8 * still) early = f;
     if (s.time > still + s.radius / 2.0) force += f, ++n;
   }
   force /= n;

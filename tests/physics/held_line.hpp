@@ -93,7 +93,7 @@ template <class T, class Form> struct HeldLine {
 
   template <class Load, class Couple> std::uint32_t step(Load const& load, Couple const& couple) {
     tissue.scatter(rig);
-    for (auto& v : rig.bead_velocity) v *= 1 - tissue.damping * rig.dt;  // as on the grid
+    for (auto& v : rig.bead_velocity) v *= 1 - tissue.damping * rig.dt;  // as the tissue's
     load();
     auto const faults = couple();
     for (auto& p : tracer) p += rig.dt * Tissue<T>::velocity_at(rig, p);

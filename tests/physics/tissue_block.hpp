@@ -85,12 +85,15 @@ template <class T> struct Tissue {
     if (fixed.empty()) fixed.assign(r.mass.size(), 0);
     std::fill(r.mass.begin(), r.mass.end(), T(0));
     std::fill(r.velocity.begin(), r.velocity.end(), Vec3<T>{});
+    T const kept = 1 - damping * dt;
     for (auto const& p : particles) {
       T const log_J = mpmpbd::log(mpmpbd::determinant(p.F));
       Mat3<T> const tau =
           mu * (p.F * mpmpbd::transpose(p.F)) + (lambda * log_J - mu) * Mat3<T>::identity();
-      Mat3<T> const A = (p.m * dx) * p.C - (4 * dt * p.volume / dx) * tau;
-      Vec3<T> const mv = p.m * p.v;
+      // Of the momentum only: damped after the forces, an elastic reaction would be 1 - damping dt of itself,
+      // and tissue that is loaded and let go would keep that share of its energy.
+      Vec3<T> const mv = kept * p.m * p.v;
+      Mat3<T> const A = (kept * p.m * dx) * p.C - (4 * dt * p.volume / dx) * tau;
       each_node(near(1 / dx * p.x), r.lattice.nodes[0], r.lattice.nodes[1],
                 [&](std::size_t i, T w, Vec3<T> const& d) {
                   r.mass[i] += w * p.m;
@@ -100,7 +103,7 @@ template <class T> struct Tissue {
     for (std::size_t i = 0; i < r.mass.size(); ++i) {
       T const inverse = r.mass[i] > 0 && !fixed[i] ? 1 / r.mass[i] : T(0);
       r.inverse_mass[i] = mpmpbd::vec(inverse, inverse, inverse);
-      r.velocity[i] *= inverse * (1 - damping * dt);
+      r.velocity[i] *= inverse;
     }
   }
   template <class R> void gather(R const& r) {
