@@ -407,7 +407,8 @@ TEST_CASE("points that share nodes do not over-count", "[coupling][B20]") {
       auto x = unsplit.view();
       mpmpbd::embed_points(mpmpbd::Solo{}, x, unsplit.nodes());
       std::vector<char> on(points.size(), 1);
-      mpmpbd::connect(mpmpbd::Solo{}, x.incidence, count, reinterpret_cast<bool*>(on.data()));
+      mpmpbd::connect(mpmpbd::Solo{}, x.incidence, count, reinterpret_cast<bool*>(on.data()),
+                      [](int) { return 1.0; });
       auto& c = x.incidence;
       for (int i = 0; i < c.counters[0]; ++i)
         c.nodes[i].velocity = unsplit.velocity[std::size_t(c.nodes[i].index)];

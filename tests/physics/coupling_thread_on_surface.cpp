@@ -130,7 +130,7 @@ int thread_points(Run const& sim) { return int(sim.state().table<Beads>().live(0
 // Pulls both ends with T = 1 and presses on the beads from `first` to `last` with `press` in all. The loads
 // grow over 30 ms: contact finds a thread where it is at the start of a substep, and one of a thousandth of
 // the tissue's mass, that is let go at once, is half a cell further by then.
-struct Grip {
+struct Hands {
   Vec3<double> at_first, at_last;  // unit forces on the ends
   int first, last;
   double press;
@@ -154,11 +154,12 @@ TEST_CASE("a taut thread laid over uncut tissue and pressed stays on it",
   auto sim = block({vec(1.3 * dx, middle, above), vec(14.7 * dx, middle, above)});
   auto& state = sim.state();
   int const beads = int(state.table<Beads>().live(0));
-  Grip const grip{vec(-1.0, 0.0, -down), vec(1.0, 0.0, -down), beads / 2 - 2, beads / 2 + 2, press};
+  Hands const hands{vec(-1.0, 0.0, -down), vec(1.0, 0.0, -down), beads / 2 - 2, beads / 2 + 2,
+                    press};
   double deepest = 0, pushed = 0;
   int members = 0;
   for (int s = 0; s < 150; ++s) {
-    grip.load(sim, 1e-3 * (s + 1));
+    hands.load(sim, 1e-3 * (s + 1));
     sim.step(1e-3);
     pushed = 0;
     for (int q = 0; q < thread_points(sim); ++q) {
@@ -202,12 +203,12 @@ TEST_CASE("a taut thread that comes out of a channel is in tissue inside it alon
   channels.set_mouth(0, 1, mark_at(sheet, side));
   channels.append(0, side);
 
-  Grip const grip = from_top ? Grip{to_right, to_left, 3, 7, 0.5}
-                             : Grip{to_left, to_right, int(state.table<Beads>().live(0)) - 7,
-                                    int(state.table<Beads>().live(0)) - 3, 0.5};
+  Hands const hands = from_top ? Hands{to_right, to_left, 3, 7, 0.5}
+                               : Hands{to_left, to_right, int(state.table<Beads>().live(0)) - 7,
+                                       int(state.table<Beads>().live(0)) - 3, 0.5};
   double deepest = 0, farthest = 0, longest = 0, shortest = 1e9;
   for (int s = 0; s < 150; ++s) {
-    grip.load(sim, 1e-3 * (s + 1));
+    hands.load(sim, 1e-3 * (s + 1));
     sim.step(1e-3);
     double length = 0;
     for (int q = 0; q < thread_points(sim); ++q) {

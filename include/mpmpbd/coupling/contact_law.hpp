@@ -33,6 +33,19 @@ template <class T> struct ContactPoint {
   Contact contact;
 };
 
+// Coverage from which tissue holds a member at all, and from which it holds it fully. Half is the surface of a
+// half space, a quarter is a quarter of a cell above it.
+struct Grip {
+  static constexpr double at_all = 0.25, fully = 0.5;
+};
+// How firmly a point is held, in (0, 1]: the contact is compliant in between, so that none takes hold or lets go
+// with a jerk (decision 8).
+template <class T> MPMPBD_HD T firmness(ContactPoint<T> const& p) {
+  if (p.contact != Contact::member) return T(1);
+  T const share = (p.coverage - T(Grip::at_all)) / T(Grip::fully - Grip::at_all);
+  return clamp(share, T(0.01), T(1));
+}
+
 template <class T> MPMPBD_HD constexpr bool is_one_sided(ContactPoint<T> const& p) {
   return p.contact == Contact::surface || p.contact == Contact::tip;
 }

@@ -206,7 +206,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       s.momentum = {{p[0], p[1], p[2], L[0], L[1], L[2]}};
     });
     team.sync();
-    std::uint32_t const faults = connect(team, x.incidence, x.count(), x.on);
+    std::uint32_t const faults =
+        connect(team, x.incidence, x.count(), x.on, [&](int q) { return firmness(x.points[q]); });
     load_nodes();
     T const scale = x.previous_dt > T(0) ? x.dt / x.previous_dt : T(1);
     team.each(x.thread.beads, [&](int k) { x.thread.impulse[k] *= scale; });
@@ -214,7 +215,9 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       PointWork<T>& w = x.work[q];
       w = {};
       if (!x.on[q]) return;
-      w.D = splitting(x.incidence, q);
+      T const firm = firmness(x.points[q]), D = splitting(x.incidence, q);
+      w.compliance = D * (T(1) / firm - T(1));
+      w.D = D / firm + w.compliance;
       w.J = law.carried(x.points[q], scale * x.points[q].impulse);
       w.hold = Hold::open;
     });
@@ -223,9 +226,13 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     return faults;
   }
 
-  MPMPBD_HD void observe() const {
+  // `given`: whether the impulses have been.
+  MPMPBD_HD void observe(bool given = true) const {
     team.each(x.count(), [&](int q) {
-      if (x.on[q]) x.work[q].u = grid_velocity(x.incidence, q);
+      PointWork<T>& w = x.work[q];
+      if (!x.on[q]) return;
+      w.u = grid_velocity(x.incidence, q);
+      if (given) w.u += w.compliance * w.J;
     });
     team.sync();
   }
@@ -233,7 +240,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   // Offers last substep's impulses again, scaled by the exact minimiser of the energy along them.
   MPMPBD_HD void warm_start() const {
     auto const& t = x.thread_work;
-    observe();
+    observe(false);
     team.each(dynamic() ? 6 : 0, [&](int column) {
       Vec<T, 6> sum{};
       inertia_column(column, sum);
@@ -309,7 +316,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       Vec3<T> const moved = sum_over_nodes<Vec3<T>>(
           x.incidence, q, [](T w, TouchedNode<T> const& n) { return w * n.change; });
       power += dot(j, x.work[q].slip);
-      stiffness += dot(j, moved - body_velocity(q));
+      stiffness += dot(j, moved + x.work[q].compliance * j - body_velocity(q));
     }
     return stiffness > T(0) ? clamp(-power / stiffness, T(0), T(1)) : T(0);
   }

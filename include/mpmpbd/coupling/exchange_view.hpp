@@ -31,11 +31,12 @@ template <class T> struct RigidBody {
 
 // Scratch of one point.
 template <class T> struct PointWork {
-  T D;                   // splitting: tissue velocity per impulse [1/kg]
-  Vec3<T> slip;          // before the exchange, with the thread solved alone [m/s]
-  Vec3<T> u;             // tissue velocity there, at the start of a sweep [m/s]
-  Vec3<T> J;             // impulse so far [N s]
-  Vec3<T> dJ;            // of the present pass [N s]
+  T D;           // splitting, and compliance: velocity at the contact per impulse [1/kg]
+  T compliance;  // of a contact that is not firm [1/kg]
+  Vec3<T> slip;  // before the exchange, with the thread solved alone [m/s]
+  Vec3<T> u;     // tissue velocity there, and what the contact gives way, before a sweep [m/s]
+  Vec3<T> J;     // impulse so far [N s]
+  Vec3<T> dJ;    // of the present pass [N s]
   Vec3<T> slip_impulse;  // friction that it slides with [N s]
   Hold hold, next;       // the present one, and what it should be after a trial
 };

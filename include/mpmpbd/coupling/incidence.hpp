@@ -20,7 +20,7 @@ template <class T> struct TouchedNode {
   Vec3<T> change{};          // of velocity, offered by the warm start
   Vec3<T> inverse_mass{};    // per axis; 0 where a wall holds the node
   T free_inverse_mass{};     // 1/m, walls or not
-  T split{};                 // sum of |weight| over the points of all bodies
+  T split{};                 // sum of firmness |weight| over the points of all bodies
   int index = 0;             // in the lattice
   int first = 0, count = 0;  // its entries in `pairs`
 };
@@ -89,10 +89,11 @@ template <class T> MPMPBD_HD void sort_entries(int* entry, int count) {
 
 }  // namespace detail
 
-// Builds the lists from weights and nodes of the points that are on. Returns the faults met: with
-// Fault::overflow some points were switched off.
-template <class T, class Team_>
-MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int points, bool* on) {
+// Builds the lists from weights and nodes of the points that are on, each as firm as `firmness(q)` in (0, 1] says.
+// Returns the faults met: with Fault::overflow some points were switched off.
+template <class T, class Team_, class Firmness>
+MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int points, bool* on,
+                                Firmness const& firmness) {
   int const all = points * c.per_point;
   auto const used = [&](int p) { return on[p / c.per_point] && c.weight[p] != T(0); };
   team.one([&] { c.counters[0] = c.counters[1] = 0; });
@@ -124,7 +125,8 @@ MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int po
   team.each(c.counters[0], [&](int i) {
     TouchedNode<T>& n = c.nodes[i];
     detail::sort_entries<T>(c.pairs + n.first, n.count);
-    for (int e = n.first; e < n.first + n.count; ++e) n.split += abs(c.weight[c.pairs[e]]);
+    for (int e = n.first; e < n.first + n.count; ++e)
+      n.split += firmness(c.pairs[e] / c.per_point) * abs(c.weight[c.pairs[e]]);
     c.slot_of_node[n.index] = detail::unseen;
   });
   team.sync();
@@ -156,8 +158,9 @@ template <class T> MPMPBD_HD Vec3<T> grid_velocity(Incidence<T> const& c, int q)
   return sum_over_nodes<Vec3<T>>(c, q, [](T w, TouchedNode<T> const& n) { return w * n.velocity; });
 }
 
-// Row-sum splitting D_q = sum_i |w_iq| S_i / m_i: no set of points, acting at once, can gain energy with
-// it, and a uniform slip is removed in one sweep. Walls only make it larger than needed. A point whose
+// Row-sum splitting D_q = sum_i |w_iq| S_i / m_i, to be divided by the firmness of q: no set of points, acting at
+// once, can gain energy with it, and a uniform slip of firm points is removed in one sweep. A point that has hardly
+// taken hold does not slow down the others. Walls only make it larger than needed. A point whose
 // nodes are all held keeps a small D, so that its impulse stays finite.
 template <class T> MPMPBD_HD T splitting(Incidence<T> const& c, int q) {
   T const moving = sum_over_nodes<T>(c, q, [](T w, TouchedNode<T> const& n) {

@@ -53,7 +53,7 @@ MPMPBD_INLINE void for_each_node(Lattice<T> const& lattice, Neighbourhood<T> con
 // is near a free surface and some of its nodes are empty.
 //
 // Returns sum w m of the plain weights. It is 0, and the point unusable, when the nodes with mass lie in
-// one plane, or all on one side so that the correction would exceed 4.
+// one plane, or all on one side so that the correction would exceed 8 (with Grip::at_all it does not).
 template <class Shape, class T, class Nodes>
 MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
                               T* weight, int* node) {
@@ -79,7 +79,7 @@ MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes
   if (!(determinant(second) > T(1e-6) * third * third * third)) return T(0);
   Vec3<T> const z = inverse(second) * first;
   T const rest = 1 - dot(first, z);
-  if (!(rest >= T(0.25))) return T(0);
+  if (!(rest >= T(0.125))) return T(0);
   detail::for_each_node<Shape>(lattice, near, [&](int a, int, T, Vec3<T> const& d) {
     weight[a] *= (1 - dot(z, d)) / (rest * total);
   });

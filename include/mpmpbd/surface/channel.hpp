@@ -37,8 +37,9 @@ using PointState = Fields<Position>;
 }  // namespace channel
 
 struct ChannelLimits {
-  static constexpr double coverage = 0.25;  // theta below which a point is not in tissue
-  static constexpr double lip = 0.4;    // theta where a thread is held as it comes out of a mouth
+  static constexpr double coverage = Grip::at_all;  // theta below which a point is not in tissue
+  static constexpr double lip =
+      Grip::fully;                      // theta where a thread is held as it comes out of a mouth
   static constexpr double mouth = 0.5;  // how close to a mouth a point passes through it [cells]
   static constexpr double track =
       0.5;  // how close to the track a point follows its neighbour [cells]
