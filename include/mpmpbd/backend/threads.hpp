@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 
 #if defined(_OPENMP)
 #include <omp.h>
@@ -32,8 +33,18 @@ struct Threads {
 #if defined(_OPENMP)
     int const threads = n < lanes() ? static_cast<int>(n) : lanes();
     if (threads > 1) {
+      std::exception_ptr
+          thrown;  // must not leave the parallel region; one of them goes on from here
 #pragma omp parallel for schedule(static) num_threads(threads)
-      for (std::int64_t i = 0; i < n; ++i) f(i, omp_get_thread_num());
+      for (std::int64_t i = 0; i < n; ++i) {
+        try {
+          f(i, omp_get_thread_num());
+        } catch (...) {
+#pragma omp critical(mpmpbd_thrown)
+          thrown = std::current_exception();
+        }
+      }
+      if (thrown) std::rethrow_exception(thrown);
       return;
     }
 #endif
