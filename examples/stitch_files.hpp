@@ -72,7 +72,7 @@ class StitchFiles {
                             o.frames_per_second);
     std::filesystem::create_directories(run_.out / "pictures");
     auto const lanes = static_cast<std::size_t>(run_.threads.lanes());
-    std::vector<mpmpbd::render::Rasteriser> with(lanes);
+    std::vector<mpmpbd::suturing::Canvas> with(lanes);
     std::vector<mpmpbd::render::Image> wide(lanes), square(lanes);
     mpmpbd::io::Progress progress(std::int64_t(moments.size()), "drawing", "frames");
     for (std::size_t first = 0; first < moments.size(); first += lanes) {

@@ -316,7 +316,7 @@ TEST_CASE("a rod over the tissue throws a shadow away from the light, a rod insi
   Finish skin = tissue(0.2f);
   skin.mottle = 0.0f;
   auto const rod = [](float z) {
-    return thread_tube(std::vector{vec(0.1f, -0.3f, z), vec(0.1f, 0.3f, z)}, 0.02f);
+    return TubeMaker{}.thread(std::vector{vec(0.1f, -0.3f, z), vec(0.1f, 0.3f, z)}, 0.02f);
   };
   auto const brightness = [&](float z, Vec3<float> const& point) {
     Mesh const mesh = rod(z);

@@ -52,7 +52,7 @@ inline Scene make(float tip_degrees = 395.0f) {
 
   std::vector<Vec3<float>> arc;
   for (float a = -180.0f; a <= 0.0f; a += 4.0f) arc.push_back(on_arc(tip_degrees + a));
-  scene.needle = render::needle_tube(arc, 0.02f, 0.12f);
+  scene.needle = render::TubeMaker{}.needle(arc, 0.02f, 0.12f);
 
   // From the swage back through the tissue to the entry, then in a bow down onto the surface.
   std::vector<Vec3<float>> beads;
@@ -64,7 +64,7 @@ inline Scene make(float tip_degrees = 395.0f) {
       vec(-0.73f, 0.17f, 1.012f),  vec(-0.63f, 0.17f, 1.012f), vec(-0.54f, 0.14f, 1.012f),
       vec(-0.45f, 0.15f, 1.012f),  vec(-0.37f, 0.19f, 1.012f)};
   beads.insert(beads.end(), std::begin(bow), std::end(bow));
-  scene.thread = render::thread_tube(beads, 0.011f);
+  scene.thread = render::TubeMaker{}.thread(beads, 0.011f);
   return scene;
 }
 

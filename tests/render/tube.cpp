@@ -44,7 +44,7 @@ TEST_CASE("a tube of constant radius has all vertices at that radius from its ce
           "[render][tube]") {
   float const radius = 0.011f;
   std::vector<Vec3<float>> const beads = helix(20);
-  Mesh const tube = thread_tube(beads, radius);
+  Mesh const tube = TubeMaker{}.thread(beads, radius);
   std::vector<Vec3<float>> const line = smooth_line(beads, TubeResolution{}.per_segment);
   for (Vec3<float> const& p : tube.positions)
     CHECK_THAT(distance_to_line(line, p), WithinRel(radius, 2e-3f));
@@ -63,8 +63,8 @@ TEST_CASE("a thread passes through every bead and stays close to the curve they 
 }
 
 TEST_CASE("thread and needle are watertight", "[render][tube]") {
-  CHECK(watertight(thread_tube(helix(20), 0.011f)));
-  CHECK(watertight(needle_tube(half_circle(), 0.02f, 0.12f)));
+  CHECK(watertight(TubeMaker{}.thread(helix(20), 0.011f)));
+  CHECK(watertight(TubeMaker{}.needle(half_circle(), 0.02f, 0.12f)));
 }
 
 TEST_CASE("a straight thread has the volume of a cylinder with two half spheres",
@@ -73,7 +73,8 @@ TEST_CASE("a straight thread has the volume of a cylinder with two half spheres"
                                           vec(0.9f, 0.6f, 1.5f)};
   double const r = 0.05;
   double const length = double(norm(beads[2] - beads[0]));
-  Mesh const tube = thread_tube(beads, float(r), {.sides = 96, .per_segment = 4, .cap_rings = 48});
+  Mesh const tube =
+      TubeMaker{}.thread(beads, float(r), {.sides = 96, .per_segment = 4, .cap_rings = 48});
   CHECK_THAT(volume(tube),
              WithinRel(pi<double> * r * r * length + 4.0 / 3.0 * pi<double> * r * r * r, 2e-3));
 }
@@ -81,7 +82,7 @@ TEST_CASE("a straight thread has the volume of a cylinder with two half spheres"
 TEST_CASE("the tube does not turn about its line", "[render][tube]") {
   // In a plane curve every vertex of a ring keeps its height over the plane.
   TubeResolution const resolution{.sides = 8, .per_segment = 3, .cap_rings = 2};
-  Mesh const tube = thread_tube(half_circle(), 0.02f, resolution);
+  Mesh const tube = TubeMaker{}.thread(half_circle(), 0.02f, resolution);
   std::size_t const first = 8 * 2;  // after the cap
   for (std::size_t ring = 0; ring < 36 * 3; ++ring)
     for (std::size_t k = 0; k < 8; ++k)
@@ -94,7 +95,7 @@ TEST_CASE("a needle ends in a point at its tip and is full wire before the taper
   std::vector<Vec3<float>> const arc = half_circle();
   float const radius = 0.02f;
   float const taper = 0.12f;
-  Mesh const needle = needle_tube(arc, radius, taper);
+  Mesh const needle = TubeMaker{}.needle(arc, radius, taper);
   CHECK(norm(needle.positions.back() - arc.back()) < 1e-6f);
   for (Vec3<float> const& p : needle.positions) {
     float const distance = distance_to_line(arc, p);
@@ -108,8 +109,8 @@ TEST_CASE("a needle ends in a point at its tip and is full wire before the taper
 TEST_CASE("beads that coincide leave every vertex and normal finite", "[render][tube]") {
   Vec3<float> const p = vec(0.3f, -0.2f, 0.8f);
   std::vector<Vec3<float>> const beads = {p, p, vec(0.4f, -0.2f, 0.8f), vec(0.4f, -0.2f, 0.8f), p};
-  Mesh const tube = thread_tube(beads, 0.01f);
+  Mesh const tube = TubeMaker{}.thread(beads, 0.01f);
   for (Vec3<float> const& x : tube.positions) CHECK(is_finite(x));
   for (Vec3<float> const& n : tube.normals) CHECK(is_finite(n));
-  CHECK(thread_tube(std::vector{p}, 0.01f).triangles.empty());
+  CHECK(TubeMaker{}.thread(std::vector{p}, 0.01f).triangles.empty());
 }

@@ -47,8 +47,15 @@ template <class T> struct Tile {
     box = b;
     std::size_t n = 1;
     for (int a = 0; a < 3; ++a) n *= static_cast<std::size_t>(b.empty() ? 0 : b.high[a] - b.low[a]);
-    sums.assign(n, quad<T>(0, 0, 0, 0));
-    if (with_previous) previous.assign(n, quad<T>(0, 0, 0, 0));
+    clear(sums, n);
+    if (with_previous) clear(previous, n);
+  }
+
+ private:
+  // With room to grow, so that a body that is deformed a little more needs no new memory.
+  static void clear(std::vector<Quad<T>>& of, std::size_t n) {
+    if (of.capacity() < n) of.reserve(2 * n);
+    of.assign(n, quad<T>(0, 0, 0, 0));
   }
 };
 

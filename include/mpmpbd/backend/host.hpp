@@ -25,6 +25,7 @@ template <class T, class NodeFields> struct Workspace {
       previous;
   std::vector<Tile<T>> tiles;
   std::vector<std::uint32_t> faults;  // per chunk
+  std::vector<StepBounds<T>> bounds;  // per chunk
   std::uint32_t faults_together = 0;  // of stages that run over the whole environment
   std::vector<double> scratch;        // of the coupling
   std::vector<int> slot_of_node;      // one per node, -1 between two exchanges
@@ -74,7 +75,8 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
 
   // Maxima that bound the time step; not_finite when a particle is already lost.
   StepBounds<T> bounds(std::uint32_t& faults) {
-    std::vector<StepBounds<T>> of_chunk(static_cast<std::size_t>(chunks()));
+    auto& of_chunk = work_.bounds;
+    of_chunk.assign(static_cast<std::size_t>(chunks()), {});
     if constexpr (Scene::has_body) {
       using Body = typename Scene::Body;
       using Damped = in_slot_t<Slot::before_scatter, typename Scene::Effects>;

@@ -10,6 +10,20 @@
 
 namespace mpmpbd::suturing {
 
+namespace detail {
+// One environment of a simulation that is only looked at.
+template <class Sim> struct ReadOnly {
+  Sim const& sim;
+  std::int64_t env;
+  template <class Domain> std::int64_t live() const {
+    return sim.state().template table<Domain>().live(env);
+  }
+  template <class F> auto get(std::int64_t slot) const {
+    return sim.state().template get<F>(env, slot);
+  }
+};
+}  // namespace detail
+
 // A moment of one environment: enough to draw it, small enough to keep all of a video.
 struct Moment {
   double time = 0.0;                   // [s]
@@ -17,22 +31,35 @@ struct Moment {
   std::vector<Vec3<float>> thread{};   // beads [m]
   Pose<float> needle{};
 
+  // Takes what it is of one environment (pbd/access.hpp); its memory is used again.
+  template <class Env> void take(Env const& env) {
+    surface.clear();
+    thread.clear();
+    for (std::int64_t i = 0; i < env.template live<SheetVertices>(); ++i)
+      surface.push_back(cast<float>(env.template get<sheet::Position>(i)));
+    for (std::int64_t k = 0; k < env.template live<Beads>(); ++k)
+      thread.push_back(cast<float>(env.template get<bead::Position>(k)));
+    needle = {cast<float>(env.template get<needle::Position>(0)),
+              cast<float>(env.template get<needle::Orientation>(0))};
+  }
   template <class Sim> static Moment of(Sim const& sim, std::int64_t env, double time) {
-    auto const& state = sim.state();
     Moment m;
     m.time = time;
-    for (std::int64_t i = 0; i < state.template table<SheetVertices>().live(env); ++i)
-      m.surface.push_back(cast<float>(state.template get<sheet::Position>(env, i)));
-    for (std::int64_t k = 0; k < state.template table<Beads>().live(env); ++k)
-      m.thread.push_back(cast<float>(state.template get<bead::Position>(env, k)));
-    m.needle = {cast<float>(state.template get<needle::Position>(env, 0)),
-                cast<float>(state.template get<needle::Orientation>(env, 0))};
+    m.take(detail::ReadOnly<Sim>{sim, env});
     return m;
   }
 };
 
-// The tissue's skin, finer than the sheet: smooth curves through the sheet's vertices on each face of the
-// block, and rounded edges. Everything but the displacements is worked out once.
+// Everything else that a picture depends on and that may differ between environments.
+struct Look {
+  Vec3<float> eye{}, target{};               // [m]
+  Vec3<float> tint = vec(1.0f, 1.0f, 1.0f);  // factors on the tissue's colour, linear RGB
+  Arc<float> needle{};
+  std::array<Vec3<float>, 2> markers{};  // entry and exit, at rest [m]
+};
+
+// The tissue's skin, finer than the sheet: smooth curves through the sheet's vertices on each face
+// of the block, and rounded edges. Everything but the displacements is worked out once.
 class Skin {
  public:
   Skin(SuturingConfig const& c, int pieces) : rest_(surface_mesh(c).positions) {
@@ -55,14 +82,13 @@ class Skin {
   }
 
   // The skin when the sheet's vertices are at `now` [m].
-  render::Mesh at(std::vector<Vec3<float>> const& now) const {
-    render::Mesh mesh = mesh_;
+  void at(std::span<Vec3<float> const> now, render::Mesh& mesh) const {
+    mesh = mesh_;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
       for (auto const& [vertex, weight] : stencils_[i])
         if (weight != 0.0f)
           mesh.positions[i] += weight * (now[vertex] - cast<float>(rest_[vertex]));
     render::compute_normals(mesh);
-    return mesh;
   }
 
  private:
@@ -137,58 +163,85 @@ class Skin {
   std::vector<Stencil> stencils_{};
 };
 
-// Draws moments. One of these may be used by many threads at once, each with a rasteriser of its own.
+// What one thread draws with; its memory is used again.
+struct Canvas {
+  render::Rasteriser rasteriser{};
+  render::Mesh skin{};
+  render::TubeMaker thread{}, needle{};
+  std::vector<Vec3<float>> wire{};
+};
+
+// Draws moments. One of these may be used by many threads at once, each with a canvas of its own.
 class StitchPicture {
  public:
   explicit StitchPicture(SuturingConfig const& c) : config_(c), skin_(c, 3) {
     low_ = cast<float>(c.tissue.corner);
     high_ = cast<float>(c.tissue.corner + c.tissue.size);
-    eye_ = cast<float>(c.tissue.top() + c.camera.eye);
-    target_ = cast<float>(c.tissue.top() + c.camera.target);
+    look_ = {.eye = cast<float>(c.tissue.top() + c.camera.eye),
+             .target = cast<float>(c.tissue.top() + c.camera.target),
+             .needle = single(c.needle.arc()),
+             .markers = {cast<float>(c.entry()), cast<float>(c.exit())}};
   }
 
-  void draw(render::Rasteriser& with, Moment const& moment, int width, int height,
+  // How the scene looks that the configuration describes.
+  Look const& look() const { return look_; }
+
+  void draw(Canvas& with, Moment const& moment, Look const& look, int width, int height,
             render::Image& image) const {
-    auto const skin = skin_.at(moment.surface);
-    auto const needle = needle_mesh(moment.needle);
-    auto const thread =
-        render::thread_tube(moment.thread, static_cast<float>(1.4 * config_.thread.radius));
-    auto const markers = ink();
+    skin_.at(moment.surface, with.skin);
+    needle_line(moment.needle, look.needle, with.wire);
+    auto const& needle =
+        with.needle.needle(with.wire, static_cast<float>(config_.needle.wire_radius),
+                           static_cast<float>(2 * config_.needle.taper));
+    auto const& thread =
+        with.thread.thread(moment.thread, static_cast<float>(1.4 * config_.thread.radius));
+    auto const radius = static_cast<float>(0.5 * config_.markers.diameter);
+    render::Marker const ink[] = {{look.markers[0], radius, vec(0.02f, 0.22f, 0.12f)},
+                                  {look.markers[1], radius, vec(0.03f, 0.10f, 0.42f)}};
     auto finish = render::tissue(high_[2] - low_[2]);
     finish.grid = static_cast<float>(config_.domain.cell_size);
+    for (int k = 0; k < 3; ++k) finish.colour[k] = min(look.tint[k] * finish.colour[k], 1.0f);
     render::Object const objects[] = {
-        {&skin, finish, markers}, {&needle, render::steel()}, {&thread, render::suture()}};
+        {&with.skin, finish, ink}, {&needle, render::steel()}, {&thread, render::suture()}};
     auto const up = vec(0.0f, 0.0f, 1.0f);
     auto const field = static_cast<float>(config_.camera.field_of_view_deg * pi<double> / 180.0);
-    auto const camera = render::look_at(eye_, target_, up, field, width, height);
-    with.draw(camera, render::studio(low_, high_, eye_ - target_, up), objects, image);
+    auto const camera = render::look_at(look.eye, look.target, up, field, width, height);
+    with.rasteriser.draw(camera, render::studio(low_, high_, look.eye - look.target, up), objects,
+                         image);
+  }
+  void draw(Canvas& with, Moment const& moment, int width, int height, render::Image& image) const {
+    draw(with, moment, look_, width, height, image);
   }
 
-  render::Mesh skin(Moment const& moment) const { return skin_.at(moment.surface); }
+  render::Mesh skin(Moment const& moment) const {
+    render::Mesh mesh;
+    skin_.at(moment.surface, mesh);
+    return mesh;
+  }
   // From the blunt end to the tip.
   std::vector<Vec3<float>> needle_line(Pose<float> const& pose) const {
-    auto const arc = config_.needle.arc();
-    constexpr int pieces = 48;
     std::vector<Vec3<float>> line;
-    for (int i = pieces; i >= 0; --i)
-      line.push_back(to_world(pose, cast<float>(arc.point(arc.length() * i / pieces))));
+    needle_line(pose, look_.needle, line);
     return line;
   }
 
  private:
-  render::Mesh needle_mesh(Pose<float> const& pose) const {
-    return render::needle_tube(needle_line(pose), static_cast<float>(config_.needle.wire_radius),
-                               static_cast<float>(2 * config_.needle.taper));
+  static Arc<float> single(Arc<double> const& arc) {
+    return {static_cast<float>(arc.radius), static_cast<float>(arc.angle),
+            static_cast<float>(arc.wire_radius), static_cast<float>(arc.taper)};
   }
-  std::vector<render::Marker> ink() const {
-    auto const radius = static_cast<float>(0.5 * config_.markers.diameter);
-    return {{cast<float>(config_.entry()), radius, vec(0.02f, 0.22f, 0.12f)},
-            {cast<float>(config_.exit()), radius, vec(0.03f, 0.10f, 0.42f)}};
+  static void needle_line(Pose<float> const& pose, Arc<float> const& arc,
+                          std::vector<Vec3<float>>& line) {
+    constexpr int pieces = 48;
+    line.clear();
+    for (int i = pieces; i >= 0; --i)
+      line.push_back(to_world(pose, arc.point(arc.length() * static_cast<float>(i) / pieces)));
   }
 
   SuturingConfig config_;
   Skin skin_;
-  Vec3<float> low_{}, high_{}, eye_{}, target_{};
+  Vec3<float> low_{}, high_{};
+  Look look_{};
 };
 
 }  // namespace mpmpbd::suturing

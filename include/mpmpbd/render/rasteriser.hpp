@@ -91,21 +91,21 @@ class Rasteriser {
   }
 
   void cast_shadows(Picture& picture, std::span<Object const> objects) {
-    std::vector<Mesh const*> all;
-    std::vector<Mesh const*> opaque;
+    all_casters_.clear();
+    opaque_casters_.clear();
     for (Object const& object : objects) {
-      all.push_back(object.mesh);
-      if (!translucent(object.finish)) opaque.push_back(object.mesh);
+      all_casters_.push_back(object.mesh);
+      if (!translucent(object.finish)) opaque_casters_.push_back(object.mesh);
     }
     Studio const& s = picture.studio;
     // As fine as the picture, and no finer than its blur shows.
     int const texels = min(320, max(picture.camera.width, picture.camera.height));
-    on_tissue_.start(opaque, s.key, texels, 0.006f * s.reach);
+    on_tissue_.start(opaque_casters_, s.key, texels, 0.006f * s.reach);
     picture.on_tissue = on_tissue_.view();
     if (!s.ground) return;
-    on_ground_.start(all, s.key, 128, 0.05f * s.reach);
+    on_ground_.start(all_casters_, s.key, 128, 0.05f * s.reach);
     picture.on_ground = on_ground_.view();
-    contact_.start(all, s.up, 96, 0.12f * s.reach);
+    contact_.start(all_casters_, s.up, 96, 0.12f * s.reach);
     picture.contact = contact_.view();
   }
 
@@ -200,6 +200,7 @@ class Rasteriser {
   std::vector<Subject> subjects_{};
   Layer opaque_{};
   Layer veil_{};
+  std::vector<Mesh const*> all_casters_{}, opaque_casters_{};
   ShadowMap on_tissue_{};
   ShadowMap on_ground_{};
   ShadowMap contact_{};

@@ -98,6 +98,9 @@ class ShadowMap {
     for (int a = 0; a < 2; ++a) view_.origin[a] = low[a] - 3.0f * blur;
     view_.width = int((high[0] - low[0] + 6.0f * blur) * view_.per_metre) + 1;
     view_.height = int((high[1] - low[1] + 6.0f * blur) * view_.per_metre) + 1;
+    // Its longer side has at most one texel more, so a map that moves never needs more than this.
+    for (auto* texel : {&cover_, &top_, &scratch_})
+      texel->reserve(static_cast<std::size_t>(texels + 1) * static_cast<std::size_t>(texels + 1));
     cover_.assign(at(0, view_.height), 0.0f);
     top_.assign(cover_.size(), nothing);
     scratch_.resize(cover_.size());

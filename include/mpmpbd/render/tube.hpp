@@ -79,7 +79,7 @@ inline Frame carry(Frame const& frame, Vec3<float> const& step, Vec3<float> cons
 
 // A mesh that grows ring by ring along a line.
 struct Sweep {
-  Mesh mesh{};
+  Mesh& mesh;
   int sides;
 
   int vertices() const { return static_cast<int>(mesh.positions.size()); }
@@ -134,11 +134,10 @@ inline Vec3<float> tangent_at(std::span<TubePoint const> points, std::size_t i) 
 }  // namespace detail
 
 // A smooth line through all beads [m], (point, 3), with `per_segment` pieces between two of them.
-inline std::vector<Vec3<float>> smooth_line(std::span<Vec3<float> const> beads, int per_segment) {
-  std::vector<Vec3<float>> line;
+inline void smooth_line(std::span<Vec3<float> const> beads, int per_segment,
+                        std::vector<Vec3<float>>& line) {
   std::size_t const n = beads.size();
-  if (n < 2) return {beads.begin(), beads.end()};
-  line.reserve((n - 1) * static_cast<std::size_t>(per_segment) + 1);
+  line.clear();
   for (std::size_t i = 0; i + 1 < n; ++i) {
     // Beyond the ends the line goes on as its mirror image through the end bead.
     Vec3<float> const before = i > 0 ? beads[i - 1] : 2.0f * beads[0] - beads[1];
@@ -147,15 +146,23 @@ inline std::vector<Vec3<float>> smooth_line(std::span<Vec3<float> const> beads, 
     for (int k = 0; k < per_segment; ++k)
       line.push_back(detail::catmull_rom(window, float(k) / float(per_segment)));
   }
-  line.push_back(beads[n - 1]);
+  if (n > 0) line.push_back(beads[n - 1]);
+}
+inline std::vector<Vec3<float>> smooth_line(std::span<Vec3<float> const> beads, int per_segment) {
+  std::vector<Vec3<float>> line;
+  smooth_line(beads, per_segment, line);
   return line;
 }
 
 // The surface swept by a circle along the points, closed by half spheres; an end of radius zero
 // closes in a point. Fewer than two points make an empty mesh.
-inline Mesh sweep(std::span<TubePoint const> points, TubeResolution const& resolution = {}) {
-  if (points.size() < 2) return {};
-  detail::Sweep tube{.sides = resolution.sides};
+inline void sweep(std::span<TubePoint const> points, TubeResolution const& resolution, Mesh& mesh) {
+  mesh.positions.clear();
+  mesh.normals.clear();
+  mesh.triangles.clear();
+  mesh.closed = points.size() >= 2;
+  if (!mesh.closed) return;
+  detail::Sweep tube{mesh, resolution.sides};
   Vec3<float> const first_tangent = detail::tangent_at(points, 0);
   detail::Frame const start{first_tangent, detail::any_normal(first_tangent)};
   detail::Frame frame = start;
@@ -170,35 +177,43 @@ inline Mesh sweep(std::span<TubePoint const> points, TubeResolution const& resol
   int const last_ring = tube.vertices() - tube.sides;
   tube.pole(points.front(), start, -1, 0);
   tube.pole(points.back(), frame, +1, last_ring);
-  tube.mesh.closed = true;
-  compute_normals(tube.mesh);
-  return tube.mesh;
+  compute_normals(mesh);
 }
 
-// The thread: a smooth tube of constant radius [m] through the beads [m], with round ends.
-inline Mesh thread_tube(std::span<Vec3<float> const> beads, float radius,
-                        TubeResolution const& resolution = {}) {
-  std::vector<TubePoint> points;
-  for (Vec3<float> const& p : smooth_line(beads, resolution.per_segment))
-    points.push_back({p, radius});
-  return sweep(points, resolution);
-}
-
-// The needle: a tube of wire radius [m] along the points [m] of its arc, from the swage (first, round)
-// to the tip (last, pointed). The last `taper` [m] of the line narrow to the point.
-inline Mesh needle_tube(std::span<Vec3<float> const> arc, float radius, float taper,
-                        TubeResolution const& resolution = {
-                            .sides = 20, .per_segment = 2, .cap_rings = 5}) {
-  std::vector<Vec3<float>> const line = smooth_line(arc, resolution.per_segment);
-  std::vector<TubePoint> points(line.size());
-  float to_tip = 0.0f;
-  for (std::size_t i = line.size(); i-- > 0;) {
-    if (i + 1 < line.size()) to_tip += norm(line[i + 1] - line[i]);
-    float const s = taper > 0.0f ? min(to_tip / taper, 1.0f) : 1.0f;
-    points[i] = {line[i], radius * s * (2.0f - s)};  // a parabola: smooth where the wire begins
+// Makes tubes, one at a time; its memory is used again.
+class TubeMaker {
+ public:
+  // The thread: a smooth tube of constant radius [m] through the beads [m], with round ends.
+  Mesh const& thread(std::span<Vec3<float> const> beads, float radius,
+                     TubeResolution const& resolution = {}) {
+    smooth_line(beads, resolution.per_segment, line_);
+    points_.clear();
+    for (Vec3<float> const& p : line_) points_.push_back({p, radius});
+    sweep(points_, resolution, mesh_);
+    return mesh_;
   }
-  if (!points.empty()) points.back().radius = 0.0f;
-  return sweep(points, resolution);
-}
+  // The needle: a tube of wire radius [m] along the points [m] of its arc, from the swage (first, round)
+  // to the tip (last, pointed). The last `taper` [m] of the line narrow to the point.
+  Mesh const& needle(std::span<Vec3<float> const> arc, float radius, float taper,
+                     TubeResolution const& resolution = {
+                         .sides = 20, .per_segment = 2, .cap_rings = 5}) {
+    smooth_line(arc, resolution.per_segment, line_);
+    points_.resize(line_.size());
+    float to_tip = 0.0f;
+    for (std::size_t i = line_.size(); i-- > 0;) {
+      if (i + 1 < line_.size()) to_tip += norm(line_[i + 1] - line_[i]);
+      float const s = taper > 0.0f ? min(to_tip / taper, 1.0f) : 1.0f;
+      points_[i] = {line_[i], radius * s * (2.0f - s)};  // a parabola: smooth where the wire begins
+    }
+    if (!points_.empty()) points_.back().radius = 0.0f;
+    sweep(points_, resolution, mesh_);
+    return mesh_;
+  }
+
+ private:
+  std::vector<Vec3<float>> line_{};
+  std::vector<TubePoint> points_{};
+  Mesh mesh_{};
+};
 
 }  // namespace mpmpbd::render
