@@ -84,5 +84,14 @@ template <class C, class Env> MPMPBD_HD auto load_parameters(Env const& env, std
   }
   return k;
 }
+template <class C, class Env>
+MPMPBD_HD void store_parameters(Env const& env, std::int64_t slot,
+                                parameters_t<C, typename Env::Scalar> const& k) {
+  using T = typename Env::Scalar;
+  auto const* numbers = reinterpret_cast<T const*>(&k);
+  Vec<T, static_cast<int>(parameter_count<C>)> flat;
+  for (int i = 0; i < static_cast<int>(parameter_count<C>); ++i) flat[i] = numbers[i];
+  set_vector<typename instance<C>::Parameters>(env, slot, flat);
+}
 
 }  // namespace mpmpbd

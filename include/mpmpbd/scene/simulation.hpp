@@ -24,8 +24,11 @@ struct SimulationOptions {
 };
 
 namespace detail {
+[[noreturn]] inline void refuse(std::string const& sentence) {
+  throw std::invalid_argument("mpmpbd Simulation: " + sentence);
+}
 inline void require(bool ok, std::string const& sentence) {
-  if (!ok) throw std::invalid_argument("mpmpbd Simulation: " + sentence);
+  if (!ok) refuse(sentence);
 }
 }  // namespace detail
 
@@ -95,9 +98,7 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     for (std::int64_t e = 0; e < environments(); ++e) reset(e);
   }
   void reset(std::span<unsigned char const> mask) {
-    detail::require(static_cast<std::int64_t>(mask.size()) == environments(),
-                    "a mask of " + std::to_string(mask.size()) + " entries given; this run has " +
-                        std::to_string(environments()) + " environments");
+    check_mask(mask);
     for (std::int64_t e = 0; e < environments(); ++e)
       if (mask[static_cast<std::size_t>(e)]) reset(e);
   }
@@ -131,8 +132,11 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     return static_cast<std::uint32_t>(state_.template get<environment::Status>(env));
   }
 
-  // Advances every environment by h [s], each with its own number of substeps.
-  void step(double h);
+  // Advances every environment by h [s], each with its own number of substeps; with a mask, those where it is not 0.
+  void step(double h, std::span<unsigned char const> mask = {});
+
+  // What the policies of an environment are told: its lattice and its parameters.
+  auto context(std::int64_t env) const { return context_of(env); }
 
   // The longest recommended substep [s] of an environment in its present state.
   double suggest_dt(std::int64_t env) requires(Scene_::has_body);
@@ -211,9 +215,15 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   std::uint32_t status_of(std::int64_t env) const { return status(env); }
 
   void check_environment(std::int64_t env) const {
-    detail::require(env >= 0 && env < environments(), "environment " + std::to_string(env) +
-                                                          " given; this run has 0 to " +
-                                                          std::to_string(environments() - 1));
+    if (env < 0 || env >= environments())
+      detail::refuse("environment " + std::to_string(env) + " given; this run has 0 to " +
+                     std::to_string(environments() - 1));
+  }
+
+  void check_mask(std::span<unsigned char const> mask) const {
+    if (static_cast<std::int64_t>(mask.size()) != environments())
+      detail::refuse("a mask of " + std::to_string(mask.size()) + " entries given; this run has " +
+                     std::to_string(environments()) + " environments");
   }
 
   Ctx context_of(std::int64_t env) const {
@@ -272,19 +282,24 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
 
 // Defined outside of the class: a catalogue compiles them once (extern template), users then do not.
 template <class Scene_, class Backend, class T>
-void Simulation<Scene_, Backend, T>::step(double h) {
-  detail::require(h > 0.0 && h - h == 0.0,
-                  "step of " + std::to_string(h) + " s asked for; give a positive time");
+void Simulation<Scene_, Backend, T>::step(double h, std::span<unsigned char const> mask) {
+  if (!(h > 0.0 && h - h == 0.0))
+    detail::refuse("step of " + std::to_string(h) + " s asked for; give a positive time");
+  if (!mask.empty()) check_mask(mask);
+  auto const acts = [&](std::int64_t env) {
+    return mask.empty() || mask[static_cast<std::size_t>(env)] != 0;
+  };
   bool const outer = environments() >= backend_.lanes() && backend_.lanes() > 1;
   workspaces_.resize(static_cast<std::size_t>(outer ? backend_.lanes() : 1));
   if (outer) {
     backend_.for_each(environments(), [&](std::int64_t env, int lane) {
+      if (!acts(env)) return;
       step_environment(env, h, workspaces_[static_cast<std::size_t>(lane)],
                        Serial{backend_.kernels});
     });
   } else {
     for (std::int64_t env = 0; env < environments(); ++env)
-      step_environment(env, h, workspaces_[0], backend_);
+      if (acts(env)) step_environment(env, h, workspaces_[0], backend_);
   }
 }
 
