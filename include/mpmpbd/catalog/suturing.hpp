@@ -7,6 +7,7 @@
 #include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/effects/viscosity.hpp>
 #include <mpmpbd/effects/walls.hpp>
+#include <mpmpbd/geometry/polyline.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/pbd/rod_builder.hpp>
 #include <mpmpbd/scene/simulation.hpp>
@@ -21,23 +22,6 @@ struct Suturing : Scene<SoftTissue, Suture, ArcNeedle, Surface, Coupling<Embedde
 
 namespace suturing {
 
-// n points on a polyline, each a distance `step` [m] from the one before; on and on along its last piece.
-inline std::vector<Vec3<double>> paces(std::vector<Vec3<double>> const& line, int n, double step) {
-  std::vector<Vec3<double>> points{line.front()};
-  std::size_t piece = 1;
-  while (static_cast<int>(points.size()) < n) {
-    Vec3<double> const from = points.back();
-    while (piece + 1 < line.size() && norm(line[piece] - from) < step) ++piece;
-    // Where the piece leaves the ball of radius `step` around the last point.
-    Vec3<double> const along = direction(line[piece] - line[piece - 1]);
-    Vec3<double> const arm = line[piece - 1] - from;
-    double const b = dot(arm, along);
-    double const reach = -b + std::sqrt(std::max(b * b + step * step - dot(arm, arm), 0.0));
-    points.push_back(line[piece - 1] + reach * along);
-  }
-  return points;
-}
-
 // The thread at the start: down from the needle's blunt end, then along the top of the tissue beside the
 // needle's way, towards the side where the needle goes in. From there it is drawn after the needle.
 inline std::vector<Vec3<double>> thread_line(SuturingConfig const& c) {
@@ -49,11 +33,12 @@ inline std::vector<Vec3<double>> thread_line(SuturingConfig const& c) {
   double const above = 0.1 * c.domain.cell_size + c.thread.radius;
   Vec3<double> const foot = end - (dot(end - c.entry(), path.up) - above) * path.up;
   double const r = c.needle.radius;
-  std::vector<Vec3<double>> const way{end, foot + 0.5 * r * aside,
-                                      foot + 0.9 * r * aside + 0.5 * r * back,
-                                      foot + 0.9 * r * aside + c.thread.length * back};
-  auto line = paces(way, c.thread.beads, c.thread.segment());
-  std::reverse(line.begin(), line.end());  // the last bead is at the needle
+  Vec3<double> const way[] = {end, foot + 0.5 * r * aside, foot + 0.9 * r * aside + 0.5 * r * back,
+                              foot + 0.9 * r * aside + c.thread.length * back};
+  std::vector<Vec3<double>> line(static_cast<std::size_t>(c.thread.beads));
+  walk_polyline(way, 4, c.thread.segment(), c.thread.beads, [&](std::int64_t i, auto const& x) {
+    line[line.size() - 1 - static_cast<std::size_t>(i)] = x;  // the last bead is at the needle
+  });
   return line;
 }
 
@@ -61,7 +46,8 @@ inline RodAssembly<Suture> thread(SuturingConfig const& c) {
   RodAssembly<Suture> rod;
   auto const line = thread_line(c);
   auto const made = add_thread(rod, std::span<Vec3<double> const>(line), c.thread.material());
-  rod.add<Swage>({made.last - 1}, {c.needle.radius, 0.0, 0.0, 0.0});
+  auto const blunt = c.needle.arc().point(c.needle.arc().length());
+  rod.add<Swage>({made.last - 1}, {blunt[0], blunt[1], blunt[2], 0.0});
   return rod;
 }
 

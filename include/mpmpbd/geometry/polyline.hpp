@@ -48,4 +48,23 @@ MPMPBD_HD T polyline_length(Points const& point, std::int64_t count) {
   return length;
 }
 
+// Walks along a polyline of `count` >= 2 points: uses n points, the first at its start, each a
+// distance `step` [m] from the one before; on and on along the last piece.
+template <class T, class Use>
+MPMPBD_HD void walk_polyline(Vec3<T> const* line, int count, T step, std::int64_t n,
+                             Use const& use) {
+  Vec3<T> at = line[0];
+  int piece = 1;
+  for (std::int64_t i = 0; i < n; ++i) {
+    use(i, at);
+    while (piece + 1 < count && norm(line[piece] - at) < step) ++piece;
+    // Where the piece leaves the ball of radius `step` around this point.
+    Vec3<T> const along = direction(line[piece] - line[piece - 1]);
+    Vec3<T> const arm = line[piece - 1] - at;
+    T const b = dot(arm, along);
+    T const reach = -b + sqrt(max(b * b + step * step - dot(arm, arm), T(0)));
+    at = line[piece - 1] + reach * along;
+  }
+}
+
 }  // namespace mpmpbd
