@@ -48,30 +48,49 @@ template <class Settings> struct Options {
   bool print_config = false;
 };
 
+// The options that programs have in common.
+inline void declare_common(CLI::App& app, std::int64_t& seed, mpmpbd::Threads& threads, Path& out,
+                           Path& config, std::vector<std::string>& overrides) {
+  app.add_option("--seed", seed, "seed of all random numbers")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--threads", threads.count, "threads, 0: as many as there are cores")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  app.add_option("--out", out, "folder for results")->capture_default_str();
+  app.add_option("--config", config, "settings, a TOML file (--print-config shows its keys)");
+  app.add_option("--set", overrides, "one setting, for example --set table.key=900")
+      ->take_all()
+      ->expected(1);
+}
+
 template <class Settings> void declare(CLI::App& app, Options<Settings>& o) {
   app.add_option("--steps", o.run.steps, "steps to take")
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();
-  app.add_option("--seed", o.run.seed, "seed of all random numbers")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--threads", o.run.threads.count, "threads, 0: as many as there are cores")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  app.add_option("--out", o.run.out, "folder for results")->capture_default_str();
-  app.add_option("--config", o.config, "settings, a TOML file (--print-config shows its keys)");
-  app.add_option("--set", o.overrides, "one setting, for example --set block.density_kg_m3=900")
-      ->take_all()
-      ->expected(1);
+  declare_common(app, o.run.seed, o.run.threads, o.run.out, o.config, o.overrides);
   app.add_flag("--print-config", o.print_config, "print all settings as TOML and stop");
   app.add_flag("--plan", o.plan, "print what a substep does and what is stored, and stop");
 }
 
-template <class Settings> void read_settings(Options<Settings>& o) {
-  std::vector<mpmpbd::io::ConfigSource> sources;
-  if (!o.config.empty()) sources.push_back({mpmpbd::io::read_file(o.config), o.config.string()});
-  for (auto const& line : o.overrides) sources.push_back({line, "--set"});
-  o.run.settings = mpmpbd::io::parse_config<Settings>(sources);
+// Runs `body`, which returns an exit code; what it throws is said, with exit code 2.
+template <class Body> int guarded(Body&& body) {
+  try {
+    return body();
+  } catch (std::exception const& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+}
+
+// Writes the settings, runs the program, says where its results are.
+template <class Settings, class Program>
+int leave_results(Path const& out, Settings const& settings, Program&& program) {
+  std::filesystem::create_directories(out);
+  mpmpbd::io::write_config(out / "config.toml", settings);
+  bool const good = program();
+  fmt::print("results in {}\n", out.string());
+  return good ? 0 : 1;
 }
 
 }  // namespace detail
@@ -87,8 +106,10 @@ int run(int argc, char** argv, std::string const& about, int default_steps, Prog
   CLI::App app(about);
   detail::declare(app, o);
   CLI11_PARSE(app, argc, argv);
-  try {
-    detail::read_settings(o);
+  return detail::guarded([&] {
+    std::vector<Path> files;
+    if (!o.config.empty()) files.push_back(o.config);
+    o.run.settings = mpmpbd::io::read_config<Settings>(files, o.overrides);
     if (o.print_config) {
       fmt::print("{}", mpmpbd::io::config_text(o.run.settings));
       return 0;
@@ -97,15 +118,9 @@ int run(int argc, char** argv, std::string const& about, int default_steps, Prog
       fmt::print("{}", mpmpbd::plan<Scene, mpmpbd::Threads, T>());
       return 0;
     }
-    std::filesystem::create_directories(o.run.out);
-    mpmpbd::io::write_config(o.run.out / "config.toml", o.run.settings);
-    bool const good = program(static_cast<Run<Settings> const&>(o.run));
-    fmt::print("results in {}\n", o.run.out.string());
-    return good ? 0 : 1;
-  } catch (std::exception const& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 2;
-  }
+    return detail::leave_results(o.run.out, o.run.settings,
+                                 [&] { return program(static_cast<Run<Settings> const&>(o.run)); });
+  });
 }
 
 }  // namespace course

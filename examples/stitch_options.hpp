@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "cli.hpp"
+
 #include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/catalog/suturing_config.hpp>
 #include <mpmpbd/io/config.hpp>
@@ -59,7 +61,7 @@ template <class Program> int run_stitch(int argc, char** argv, Program&& program
   app.add_flag("--unfinished", o.unfinished,
                "exit code 0 whatever the verdict, for a run of a few steps");
   CLI11_PARSE(app, argc, argv);
-  try {
+  return detail::guarded([&] {
     o.config = mpmpbd::io::read_config<mpmpbd::SuturingConfig>(
         config.empty() ? preset_file(o.preset) : config, overrides);
     if (seed >= 0) o.config.seed = seed;
@@ -68,15 +70,9 @@ template <class Program> int run_stitch(int argc, char** argv, Program&& program
       o.out = mpmpbd::io::Path("out") / (config.empty() ? o.preset : config.stem().string());
     o.coupled = !no_coupling;
     o.video = !no_video;
-    std::filesystem::create_directories(o.out);
-    mpmpbd::io::write_config(o.out / "config.toml", o.config);
-    bool const good = program(static_cast<StitchOptions const&>(o));
-    fmt::print("results in {}\n", o.out.string());
-    return good ? 0 : 1;
-  } catch (std::exception const& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 2;
-  }
+    return detail::leave_results(o.out, o.config,
+                                 [&] { return program(static_cast<StitchOptions const&>(o)); });
+  });
 }
 
 }  // namespace course

@@ -327,11 +327,17 @@ template <class C> C parse_config(std::string const& text, std::string const& na
   return parse_config<C>({{text, name}});
 }
 
-// Settings from a file, and from lines `table.key = value` that are laid over it (a program's --set).
-template <class C> C read_config(Path const& path, std::vector<std::string> const& overrides = {}) {
-  std::vector<ConfigSource> sources{{read_file(path), path.string()}};
+// Settings from files, the later ones over the earlier ones, and from lines `table.key = value` that are laid over
+// them (a program's --set).
+template <class C>
+C read_config(std::vector<Path> const& paths, std::vector<std::string> const& overrides = {}) {
+  std::vector<ConfigSource> sources;
+  for (auto const& path : paths) sources.push_back({read_file(path), path.string()});
   for (auto const& line : overrides) sources.push_back({line, "--set"});
   return parse_config<C>(sources);
+}
+template <class C> C read_config(Path const& path, std::vector<std::string> const& overrides = {}) {
+  return read_config<C>(std::vector<Path>{path}, overrides);
 }
 
 }  // namespace mpmpbd::io
