@@ -10,7 +10,9 @@ install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDI
 install(TARGETS mpmpbd_core mpmpbd_mpmpbd mpmpbd_io mpmpbd_testing EXPORT mpmpbd-targets)
 install(EXPORT mpmpbd-targets NAMESPACE mpmpbd:: DESTINATION "${_package_dir}")
 
-# Sets of their own: they need a CUDA toolkit on the user's machine, the rest does not.
+# Sets of their own: they need Random123, or a CUDA toolkit, on the user's machine; the rest does not.
+install(TARGETS mpmpbd_rl EXPORT mpmpbd-rl-targets)
+install(EXPORT mpmpbd-rl-targets NAMESPACE mpmpbd:: DESTINATION "${_package_dir}")
 install(TARGETS mpmpbd_cuda EXPORT mpmpbd-cuda-targets)
 install(EXPORT mpmpbd-cuda-targets NAMESPACE mpmpbd:: DESTINATION "${_package_dir}")
 set(MPMPBD_CATALOG_NEEDS_CUDA FALSE)
@@ -32,6 +34,8 @@ install(FILES
   "${PROJECT_BINARY_DIR}/mpmpbd-config.cmake"
   "${PROJECT_BINARY_DIR}/mpmpbd-config-version.cmake"
   "${PROJECT_SOURCE_DIR}/cmake/MpmpbdFindCudaToolkit.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/FindRandom123.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/FindHdf5C.cmake"
   DESTINATION "${_package_dir}")
 
 if(PROJECT_IS_TOP_LEVEL)
@@ -42,6 +46,6 @@ if(PROJECT_IS_TOP_LEVEL)
   set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
   set(CPACK_DEBIAN_PACKAGE_SECTION "libdevel")
   set(CPACK_DEBIAN_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), libfmt-dev")
-  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "nlohmann-json3-dev, libtomlplusplus-dev, libstb-dev")
+  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "nlohmann-json3-dev, libtomlplusplus-dev, libstb-dev, librandom123-dev, libhdf5-dev")
   include(CPack)
 endif()

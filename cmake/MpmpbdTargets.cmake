@@ -2,6 +2,7 @@
 #   mpmpbd::core     headers, no dependency: all that a .cu sees
 #   mpmpbd::mpmpbd   core, Eigen at the host border, fmt for plans and reports, OpenMP if present
 #   mpmpbd::io       mpmpbd, and the file formats whose libraries are present
+#   mpmpbd::rl       io, and the random numbers that learning needs (Random123)
 #   mpmpbd::testing  mpmpbd, and the law suites, for users who test their own policies
 #   mpmpbd::cuda     core, and what nvcc needs
 #   mpmpbd::catalog  ready-made scenes, compiled (src/catalog)
@@ -11,6 +12,8 @@ find_package(fmt REQUIRED)
 find_package(OpenMP QUIET COMPONENTS CXX)
 find_package(nlohmann_json QUIET)
 find_package(tomlplusplus QUIET)
+find_package(Random123 QUIET)
+find_package(Hdf5C QUIET)
 
 # An optional dependency: linked where its target exists, both here and in an installed package.
 function(_mpmpbd_link_if_exists target)
@@ -46,7 +49,19 @@ _mpmpbd_link_if_exists(mpmpbd_mpmpbd OpenMP::OpenMP_CXX)
 
 _mpmpbd_interface(io)
 target_link_libraries(mpmpbd_io INTERFACE mpmpbd_mpmpbd)
-_mpmpbd_link_if_exists(mpmpbd_io nlohmann_json::nlohmann_json tomlplusplus::tomlplusplus)
+_mpmpbd_link_if_exists(mpmpbd_io
+  nlohmann_json::nlohmann_json tomlplusplus::tomlplusplus Hdf5C::Hdf5C)
+
+# Its public name exists where Random123 does.
+add_library(mpmpbd_rl INTERFACE)
+set_target_properties(mpmpbd_rl PROPERTIES EXPORT_NAME rl)
+target_link_libraries(mpmpbd_rl INTERFACE mpmpbd_io)
+_mpmpbd_link_if_exists(mpmpbd_rl Random123::Random123)
+if(Random123_FOUND)
+  add_library(mpmpbd::rl ALIAS mpmpbd_rl)
+else()
+  message(STATUS "mpmpbd: no step loops (they need Random123; scripts/setup.sh installs it)")
+endif()
 
 _mpmpbd_interface(testing)
 target_link_libraries(mpmpbd_testing INTERFACE mpmpbd_mpmpbd)

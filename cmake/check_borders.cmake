@@ -4,7 +4,7 @@
 # and reports, file formats in io. A header of the device folders that includes one of them compiles
 # on the host and breaks, or turns into a trap, in a kernel.
 set(forbidden "<(Eigen|unsupported/Eigen|fmt|catch2|nlohmann|toml\\+\\+|CLI|stb|benchmark)/")
-set(device_folders core mpm pbd coupling geometry effects backend)
+set(device_folders core mpm pbd coupling geometry effects backend rl)
 set(mistakes "")
 foreach(folder IN LISTS device_folders)
   file(GLOB_RECURSE headers "${INCLUDE_DIR}/mpmpbd/${folder}/*.hpp" "${INCLUDE_DIR}/mpmpbd/${folder}/*.cuh")

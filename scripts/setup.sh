@@ -10,7 +10,7 @@ Usage: scripts/setup.sh [test|demo|ci] [--no-cuda]
 
   test      compilers, build tools and libraries (default)
   demo      test, and what the demo draws with: ffmpeg, matplotlib
-  ci        test, and clang with its tools
+  ci        test, and clang with its tools, h5py
   --no-cuda do not look for a CUDA compiler
 
 Debian packages are installed as root or by sudo. Without an nvcc >= 12.4 on the machine, the CUDA
@@ -30,10 +30,10 @@ for argument in "$@"; do
 done
 
 packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev catch2 libcli11-dev libtomlplusplus-dev
-  nlohmann-json3-dev libstb-dev libbenchmark-dev)
+  nlohmann-json3-dev libstb-dev libbenchmark-dev librandom123-dev libhdf5-dev)
 case $purpose in
   demo) packages+=(ffmpeg python3-matplotlib) ;;
-  ci) packages+=(git clang clang-format clang-tidy libomp-dev) ;;
+  ci) packages+=(git clang clang-format clang-tidy libomp-dev python3-h5py) ;;
 esac
 
 is_installed() {
