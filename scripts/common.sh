@@ -28,6 +28,11 @@ step() {
   return "$status"
 }
 
+# Another Python may come before Debian's, for which matplotlib is installed.
+python_with_matplotlib() {
+  python3 -c 'import matplotlib' 2>/dev/null && echo python3 || echo /usr/bin/python3
+}
+
 # The version of the compiler $1, or nothing.
 nvcc_version() { "$1" --version 2>/dev/null | sed -n 's/.*, V\([0-9.]*\).*/\1/p'; }
 

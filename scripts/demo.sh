@@ -34,11 +34,8 @@ fi
 
 status=0
 step "stitch" "$stitch" --preset "$preset" --out "$out" || status=$?
-# Another Python may come before Debian's, for which matplotlib was installed.
-python=python3
-"$python" -c 'import matplotlib' 2>/dev/null || python=/usr/bin/python3
 if [[ -f $out/summary.json ]]; then
-  step "plot" "$python" scripts/plot_force_depth.py "$out" || status=1
+  step "plot" "$(python_with_matplotlib)" scripts/plot_force_depth.py "$out" || status=1
 fi
 say "picture  $out/stitch.png"
 say "video    $out/stitch.mp4 and $out/stitch_small.mp4"
