@@ -40,8 +40,9 @@ bool wander(course::TaskOptions const& run) {
   fmt::print("{:.1f} decisions/s ({} environments, {} material points each, {} threads)\n",
              static_cast<double>(decisions) / seconds, envs.num_envs(),
              run.config.scene.tissue.point_count(), run.threads.lanes());
-  return course::check(table.diverged() == 0, "no environment lost its numbers") &
-         course::check(table.successes() == 0, "random actions make no stitch");
+  bool const whole = course::check(table.diverged() == 0, "no environment lost its numbers");
+  bool const aimless = course::check(table.successes() == 0, "random actions make no stitch");
+  return whole && aimless;
 }
 
 }  // namespace
