@@ -19,7 +19,7 @@ namespace {
 // The first third of the suturing task: it is over when the needle has gone in, anywhere.
 struct GoneIn {
   using Role = role::Termination;
-  static constexpr FixedString name = "GoneIn";
+  [[maybe_unused]] static constexpr FixedString name = "GoneIn";
   using Reads = Fields<rl::stitch::Phase>;
   using Writes = Fields<>;
   template <class Env, class Ctx> MPMPBD_HD static bool holds(Env const& env, Ctx const&) {
