@@ -1,0 +1,20 @@
+// Whether a sanitizer is at work. It looks for errors of memory and of threads, not of numbers: what only repeats
+// itself may then do so less often.
+#pragma once
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define MPMPBD_SANITIZED
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define MPMPBD_SANITIZED
+#endif
+
+namespace test {
+#if defined(MPMPBD_SANITIZED)
+inline constexpr bool sanitized = true;
+#else
+inline constexpr bool sanitized = false;
+#endif
+}  // namespace test
