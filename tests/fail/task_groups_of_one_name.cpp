@@ -1,31 +1,7 @@
 // expect: mpmpbd Task<...>: two observation groups, reward terms or metrics have the same name, by which they are logged; rename one
-#include <mpmpbd/mpm/materials/neo_hookean.hpp>
-#include <mpmpbd/rl/task.hpp>
+#include "fail/lift_task.hpp"
 
-using namespace mpmpbd;
-
-struct Push {
-  using Role = role::Action;
-  static constexpr FixedString name = "push";
-  static constexpr int size = 1;
-  using Reads = Fields<>;
-  using Writes = Fields<particle::Velocity>;
-};
-struct Height {
-  using Role = role::Observation;
-  static constexpr FixedString name = "height";
-  static constexpr int size = 1;
-  using Reads = Fields<particle::Position>;
-  using Writes = Fields<>;
-};
-struct Up {
-  using Role = role::RewardTerm;
-  static constexpr FixedString name = "up";
-  using Reads = Fields<particle::Position>;
-  using Writes = Fields<>;
-};
 struct Higher : Height {};
-struct Block : Scene<Mpm<NeoHookean>> {};
 
 #ifdef MPMPBD_FIXED
 using Task = rl::Task<Block, Push, Height, Up>;

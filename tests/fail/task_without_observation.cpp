@@ -1,30 +1,5 @@
 // expect: mpmpbd Task<...>: no Observation given, so the agent would see nothing; add a group, for example NeedlePose
-#include <mpmpbd/mpm/materials/neo_hookean.hpp>
-#include <mpmpbd/rl/task.hpp>
-
-using namespace mpmpbd;
-
-struct Push {
-  using Role = role::Action;
-  static constexpr FixedString name = "push";
-  static constexpr int size = 1;
-  using Reads = Fields<>;
-  using Writes = Fields<particle::Velocity>;
-};
-struct Height {
-  using Role = role::Observation;
-  static constexpr FixedString name = "height";
-  static constexpr int size = 1;
-  using Reads = Fields<particle::Position>;
-  using Writes = Fields<>;
-};
-struct Up {
-  using Role = role::RewardTerm;
-  static constexpr FixedString name = "up";
-  using Reads = Fields<particle::Position>;
-  using Writes = Fields<>;
-};
-struct Block : Scene<Mpm<NeoHookean>> {};
+#include "fail/lift_task.hpp"
 
 #ifdef MPMPBD_FIXED
 using Task = rl::Task<Block, Push, Height, Up>;
