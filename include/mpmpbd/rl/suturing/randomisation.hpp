@@ -16,16 +16,17 @@ struct StitchChange {
   using Reads = StitchProgress::Reads;
   using Writes = Fields<>;
 };
-// The bounds of a factor between two numbers, evenly in the logarithm.
-inline constexpr ParameterInfo factor_info[] = {bound::positive("least", "1"),
-                                                bound::positive("most", "1")};
+// By a factor between two numbers, evenly in the logarithm.
+struct StitchFactor : StitchChange {
+  template <class T> struct Parameters { T least, most; };
+  static constexpr ParameterInfo parameter_info[] = {bound::positive("least", "1"),
+                                                     bound::positive("most", "1")};
+};
 }  // namespace detail
 
 // Both Lame constants, each times a factor of its own.
-struct RandomTissue : detail::StitchChange {
+struct RandomTissue : detail::StitchFactor {
   static constexpr FixedString name = "RandomTissue";
-  template <class T> struct Parameters { T least, most; };
-  static constexpr auto const& parameter_info = detail::factor_info;
   template <class Env, class Ctx>
   MPMPBD_HD static void apply(Env const& env, Ctx const& context, Random& random) {
     using T = typename Env::Scalar;
@@ -38,10 +39,8 @@ struct RandomTissue : detail::StitchChange {
 };
 
 // Friction coefficient of needle and thread, times a factor.
-struct RandomFriction : detail::StitchChange {
+struct RandomFriction : detail::StitchFactor {
   static constexpr FixedString name = "RandomFriction";
-  template <class T> struct Parameters { T least, most; };
-  static constexpr auto const& parameter_info = detail::factor_info;
   template <class Env, class Ctx>
   MPMPBD_HD static void apply(Env const& env, Ctx const& context, Random& random) {
     using T = typename Env::Scalar;
@@ -53,10 +52,8 @@ struct RandomFriction : detail::StitchChange {
 };
 
 // Bending stiffness of the thread, times a factor.
-struct RandomThread : detail::StitchChange {
+struct RandomThread : detail::StitchFactor {
   static constexpr FixedString name = "RandomThread";
-  template <class T> struct Parameters { T least, most; };
-  static constexpr auto const& parameter_info = detail::factor_info;
   template <class Env, class Ctx>
   MPMPBD_HD static void apply(Env const& env, Ctx const& context, Random& random) {
     using T = typename Env::Scalar;
@@ -71,10 +68,8 @@ struct RandomThread : detail::StitchChange {
 };
 
 // Radius of the needle, times a factor; the thread's tie moves with its blunt end.
-struct RandomNeedle : detail::StitchChange {
+struct RandomNeedle : detail::StitchFactor {
   static constexpr FixedString name = "RandomNeedle";
-  template <class T> struct Parameters { T least, most; };
-  static constexpr auto const& parameter_info = detail::factor_info;
   template <class Env, class Ctx>
   MPMPBD_HD static void apply(Env const& env, Ctx const& context, Random& random) {
     using T = typename Env::Scalar;
