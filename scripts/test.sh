@@ -64,7 +64,7 @@ build=$build_root/$preset
 cd "$root"
 
 purpose='test'
-[[ $preset == tsan || $preset == clang ]] && purpose='ci'
+[[ $preset =~ ^(asan-ubsan|tsan|clang)$ ]] && purpose='ci'
 if [[ $setup == yes ]]; then
   # A run that compiles no .cu uses the CUDA compiler that is there, but does not fetch one.
   if [[ ${cuda,,} == off || $preset =~ ^(clang|debug)$ || ($tiers == unit && -z $cuda) ]]; then
