@@ -1,4 +1,5 @@
-// Counts what a program allocates. It replaces operator new, so one source of a program includes it.
+// Counts what a program allocates. It replaces operator new, so one source of a program includes it. Under the thread
+// sanitizer, whose own operator new cannot be replaced, nothing is counted.
 #pragma once
 
 #include <atomic>
@@ -10,6 +11,12 @@ namespace test {
 inline std::atomic<std::int64_t> allocations{0};
 }  // namespace test
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define MPMPBD_THREADS_SANITIZED
+#endif
+#endif
+#if !defined(MPMPBD_THREADS_SANITIZED)
 // Not inlined: the compiler would see malloc in one and delete in the other and warn.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++test::allocations;
@@ -34,3 +41,4 @@ inline std::atomic<std::int64_t> allocations{0};
   std::free(p);
 }
 [[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+#endif
