@@ -69,8 +69,8 @@ template <class T> BentResult run_bent(BentCase const& c) {
   return c.friction > 0 ? BentThread<T, Rough>(c).run() : BentThread<T, Slippery>(c).run();
 }
 
-// The rows of T90 that tier `physics` runs; all of them: coupling_bent_table_long.cpp. Under a sanitizer, where one takes
-// twenty times as long, only the lighter bead without friction and the heavier with it.
+// The rows of T90 that tier `physics` runs; all of them: coupling_bent_table_long.cpp. Under a sanitizer, which makes a
+// row take minutes, only the lighter bead without friction and the heavier with it.
 template <class T> void check_bent_threads() {
   for (double mass : {1e-4, 1.0})
     for (double friction : {0.0, 0.2}) {

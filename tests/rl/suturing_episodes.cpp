@@ -108,6 +108,7 @@ TEST_CASE("a needle on its way through tissue allocates nothing", "[rl][suturing
   auto const actions = turn(envs);
   envs.step(actions);
   std::int64_t const before = test::allocations;
+  REQUIRE((before > 0) == test::counts_allocations);
   while (!envs.outcome().done(0)) envs.step(actions);
   CHECK(test::allocations == before);
   CHECK(envs.outcome().metrics[0] > 0.5f);  // it has gone in

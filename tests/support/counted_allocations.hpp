@@ -7,15 +7,17 @@
 #include <cstdlib>
 #include <new>
 
+#include "support/sanitized.hpp"
+
 namespace test {
 inline std::atomic<std::int64_t> allocations{0};
+#if defined(MPMPBD_THREADS_SANITIZED)
+inline constexpr bool counts_allocations = false;
+#else
+inline constexpr bool counts_allocations = true;
+#endif
 }  // namespace test
 
-#if defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define MPMPBD_THREADS_SANITIZED
-#endif
-#endif
 #if !defined(MPMPBD_THREADS_SANITIZED)
 // Not inlined: the compiler would see malloc in one and delete in the other and warn.
 [[gnu::noinline]] void* operator new(std::size_t size) {

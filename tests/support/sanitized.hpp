@@ -6,6 +6,9 @@
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define MPMPBD_SANITIZED
 #endif
+#if __has_feature(thread_sanitizer)
+#define MPMPBD_THREADS_SANITIZED
+#endif
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define MPMPBD_SANITIZED
