@@ -1,7 +1,7 @@
 // 8. An expert: a script that makes the stitch through the task's own interface, from what it is shown.
 //
 // What a policy can be compared with, learn from (10_record) and be checked by.
-// test: --num-envs 2 --episodes 2
+// test: --num-envs 1 --episodes 1
 #include "task_options.hpp"
 
 #include <mpmpbd/rl/suturing/expert.hpp>

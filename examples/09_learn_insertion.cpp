@@ -4,7 +4,7 @@
 // A policy is a matrix. In each generation many are drawn around the best so far and tried in the
 // same few episodes; the best of them say where the next ones are drawn (Rubinstein 1999). Needs
 // nothing but Eigen.
-// test: --num-envs 4 --episodes 1 --set episode.limit=2 --unfinished
+// test: --num-envs 4 --episodes 1 --set episode.limit=1 --unfinished
 #include "task_options.hpp"
 
 #include <Eigen/Core>

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "coupling/random_rig.hpp"
+#include "support/sanitized.hpp"
 
 namespace {
 
@@ -64,7 +65,8 @@ Gain survey(int count, Extras const& extra, double tolerance, unsigned seed = 1)
   return gain;
 }
 
-template <class T, class Form> void no_gain(int count, Extras const& extra, char const* what) {
+template <class T, class Form> void no_gain(int draws, Extras const& extra, char const* what) {
+  int const count = repeats(draws);
   double const tolerance = sizeof(T) == 4 ? 1e-5 : 1e-12;
   Gain const g = survey<T, Form>(count, extra, tolerance);
   INFO(what << ": worst gain " << g.worst << ", raised " << g.raised << " of " << count

@@ -20,4 +20,7 @@ inline constexpr bool sanitized = true;
 #else
 inline constexpr bool sanitized = false;
 #endif
+
+// How often this run repeats what is repeated `count` times without a sanitizer.
+constexpr int repeats(int count) { return sanitized ? (count + 9) / 10 : count; }
 }  // namespace test
