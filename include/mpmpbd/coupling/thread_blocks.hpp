@@ -98,7 +98,8 @@ MPMPBD_HD Joint<T> bend_joint(ThreadState<T> const& s, Link<T> const* links, T c
   j.across[2] = a2 * axis;
   j.stiffness = 2 * s.bending_stiffness / (s.rest_length[k - 1] + s.rest_length[k]);
   j.excess = angle - rest;
-  j.across_share = angle > rest ? (rest > T(0) ? 1 - rest / angle : T(1)) : T(0);
+  // Of a joint that is straight at rest all of it, also where it is exactly straight and its plane is any.
+  j.across_share = rest > T(0) ? max(T(0), 1 - rest / max(angle, rest)) : T(1);
   return j;
 }
 
