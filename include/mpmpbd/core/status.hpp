@@ -48,15 +48,28 @@ MPMPBD_HD constexpr bool has(std::uint32_t word, Fault f) {
   return (word & static_cast<std::uint32_t>(f)) != 0;
 }
 
+inline constexpr int fault_count = static_cast<int>(fault_table.size());
+
+// What bounds the length of a substep.
+enum class StepBound : std::int64_t {
+  none,     // nothing in the scene does
+  elastic,  // elastic and viscous waves
+  speed,    // half a cell of motion
+  strain,   // half a unit of strain
+};
+
 // Fields of one environment. All of them are state: saved, reset and cloned with the rest.
 namespace environment {
 struct Status : Field<"status", "bits", Integer, Environments> {};  // sticky until reset
-struct Step : Field<"step", "1", Integer, Environments> {};         // substeps since reset
+// How often each fault of fault_table was met since reset; at most once per substep.
+struct FaultCount : Field<"faults", "1", Integers<fault_count>, Environments> {};
+struct Step : Field<"step", "1", Integer, Environments> {};  // substeps since reset
 struct Time : Field<"time", "ps", Integer, Environments> {
 };  // since reset; a float sum would stall
 struct Substeps : Field<"substeps", "1", Integer, Environments> {};  // taken in the last step
 struct Dt : Field<"dt", "s", Number, Environments> {};               // last substep length
-struct DtLimit : Field<"dt_limit", "s", Number, Environments> {};  // stable limit at the last step
+struct DtLimit : Field<"dt_limit", "s", Number, Environments> {};   // stable limit at the last step
+struct DtBound : Field<"dt_bound", "1", Integer, Environments> {};  // a StepBound: what set it
 struct Seed : Field<"seed", "1", Integer, Environments> {};
 struct Episode : Field<"episode", "1", Integer, Environments> {};  // resets so far
 }  // namespace environment

@@ -8,6 +8,7 @@
 // particles is stiffer than its stiffest one. 0.65 of dx/c_p for MLS-APIC at nu = 0.4.
 #pragma once
 
+#include <mpmpbd/core/status.hpp>
 #include <mpmpbd/core/tick.hpp>
 #include <mpmpbd/mpm/body.hpp>
 #include <mpmpbd/mpm/lattice.hpp>
@@ -98,12 +99,27 @@ template <class Body, class T> MPMPBD_HD T elastic_limit(StepBounds<T> const& b,
   return rate > T(0) ? T(2) / rate : T(1e30);
 }
 
-// The recommended longest step [s]: elastic waves, half a cell of motion, half a unit of strain.
+// A longest step [s] and what sets it.
+template <class T> struct StepLimit {
+  T dt;
+  StepBound bound;
+
+  MPMPBD_HD void lower(T other, StepBound why) {
+    if (other < dt) dt = other, bound = why;
+  }
+};
+
+// The recommended longest step: elastic waves, half a cell of motion, half a unit of strain.
+template <class Body, class T> MPMPBD_HD StepLimit<T> step_limit(StepBounds<T> const& b, T dx) {
+  StepLimit<T> limit{T(1e30), StepBound::none};
+  limit.lower(elastic_limit<Body>(b, dx), StepBound::elastic);
+  if (b.speed > T(0)) limit.lower(T(0.5) * dx / b.speed, StepBound::speed);
+  if (b.rate > T(0)) limit.lower(T(0.5) / b.rate, StepBound::strain);
+  limit.dt *= T(time_step_safety);
+  return limit;
+}
 template <class Body, class T> MPMPBD_HD T suggest_dt(StepBounds<T> const& b, T dx) {
-  T limit = elastic_limit<Body>(b, dx);
-  if (b.speed > T(0)) limit = min(limit, T(0.5) * dx / b.speed);
-  if (b.rate > T(0)) limit = min(limit, T(0.5) / b.rate);
-  return T(time_step_safety) * limit;
+  return step_limit<Body>(b, dx).dt;
 }
 
 }  // namespace mpmpbd

@@ -122,8 +122,9 @@ struct SceneParts {
 
 // State that every environment has.
 using EnvironmentFields =
-    Fields<environment::Status, environment::Step, environment::Time, environment::Substeps,
-           environment::Dt, environment::DtLimit, environment::Seed, environment::Episode>;
+    Fields<environment::Status, environment::FaultCount, environment::Step, environment::Time,
+           environment::Substeps, environment::Dt, environment::DtLimit, environment::DtBound,
+           environment::Seed, environment::Episode>;
 
 template <class... Parts> struct Scene {
   static_assert(

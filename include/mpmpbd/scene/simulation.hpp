@@ -21,6 +21,9 @@ struct SimulationOptions {
   // Substeps of a step: 0 chooses them per environment from the stable limit, else exactly this many.
   int substeps = 0;
   int most_substeps = 1000;  // more needed than this sets Fault::time_step
+  // Refuse a step whose substeps would be longer than the stable limit of any environment, before anything
+  // moves, instead of setting Fault::time_step.
+  bool strict = false;
 };
 
 namespace detail {
@@ -149,17 +152,21 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
   void step_environment(std::int64_t env, double h, Work& work, Lanes const& lanes) {
     auto status = status_of(env);
     if (has(status, Fault::not_finite)) return;  // frozen
+    auto const meet = [&](std::uint32_t faults) {
+      status |= faults;
+      count(env, faults);
+    };
     HostEnvironment<Scene, T, Lanes> run(state_, env, context_of(env), work, lanes);
     int substeps = 0;
-    status |= hold_particles(env);
-    status |= choose_substeps(run, env, h, substeps);
+    meet(hold_particles(env));
+    meet(choose_substeps(run, env, h, substeps));
     T const dt = T(h / substeps);
     T previous = state_.template get<environment::Dt>(env);
     for (int s = 0; s < substeps && !has(status, Fault::not_finite); ++s) {
       auto const step = state_.template get<environment::Step>(env);
       auto const time = state_.template get<environment::Time>(env);
-      status |= run.substep(
-          {dt, previous > T(0) ? previous : dt, step, T(1e-12 * double(time)), s, substeps});
+      meet(run.substep(
+          {dt, previous > T(0) ? previous : dt, step, T(1e-12 * double(time)), s, substeps}));
       previous = dt;
       state_.template set<environment::Step>(env, step + 1);
       state_.template set<environment::Time>(env, time + std::llround(1e12 * h / substeps));
@@ -191,25 +198,50 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     return faults;
   }
 
+  void count(std::int64_t env, std::uint32_t faults) {
+    if (faults == 0) return;
+    auto met = state_.template get<environment::FaultCount>(env);
+    for (int f = 0; f < fault_count; ++f)
+      met[f] += has(faults, fault_table[static_cast<std::size_t>(f)].fault);
+    state_.template set<environment::FaultCount>(env, met);
+  }
+
   // Substeps of this step and the faults of choosing them.
   template <class Run>
   std::uint32_t choose_substeps(Run& run, std::int64_t env, double h, int& substeps) {
     std::uint32_t faults = 0;
-    double suggested = h;
-    if constexpr (Scene::has_body) {
-      auto const bounds = run.bounds(faults);
-      suggested = double(mpmpbd::suggest_dt<typename Scene::Body>(bounds, lattice_.dx));
-    }
-    state_.template set<environment::DtLimit>(env, T(suggested));
-    double const needed = h / suggested;
-    bool const too_many = !(needed <= options_.most_substeps);
-    substeps = options_.substeps > 0 ? options_.substeps
-               : too_many            ? options_.most_substeps
-                                     : (needed > 1.0 ? static_cast<int>(::ceil(needed - 1e-9)) : 1);
-    // The suggestion holds a margin; only beyond the limit itself is a step at fault.
-    if (h / substeps > suggested / time_step_safety)
+    StepLimit<T> limit{T(h), StepBound::none};
+    if constexpr (Scene::has_body)
+      limit = step_limit<typename Scene::Body>(run.bounds(faults), lattice_.dx);
+    state_.template set<environment::DtLimit>(env, limit.dt);
+    state_.template set<environment::DtBound>(env, static_cast<std::int64_t>(limit.bound));
+    substeps = substeps_of(h, double(limit.dt));
+    if (too_long(h / substeps, double(limit.dt)))
       faults |= static_cast<std::uint32_t>(Fault::time_step);
     return faults;
+  }
+  int substeps_of(double h, double suggested) const {
+    if (options_.substeps > 0) return options_.substeps;
+    double const needed = h / suggested;
+    if (!(needed <= options_.most_substeps)) return options_.most_substeps;
+    return needed > 1.0 ? static_cast<int>(::ceil(needed - 1e-9)) : 1;
+  }
+  // The suggestion holds a margin; only beyond the limit itself is a step at fault.
+  static bool too_long(double dt, double suggested) { return dt > suggested / time_step_safety; }
+
+  // What a strict run asks before a step, of every environment that is about to move.
+  template <class Acts> void check_limits(double h, Acts const& acts) {
+    if constexpr (Scene::has_body)
+      for (std::int64_t env = 0; env < environments(); ++env) {
+        if (!acts(env) || has(status_of(env), Fault::not_finite)) continue;
+        double const suggested = suggest_dt(env), dt = h / substeps_of(h, suggested);
+        detail::require(
+            !too_long(dt, suggested),
+            "a substep of " + std::to_string(1e6 * dt) +
+                " us is longer than the stable limit of environment " + std::to_string(env) + ", " +
+                std::to_string(1e6 * suggested / time_step_safety) +
+                " us; nothing has moved. Give a shorter step or more substeps, or options.strict = false");
+      }
   }
 
   std::uint32_t status_of(std::int64_t env) const { return status(env); }
@@ -289,6 +321,7 @@ void Simulation<Scene_, Backend, T>::step(double h, std::span<unsigned char cons
   auto const acts = [&](std::int64_t env) {
     return mask.empty() || mask[static_cast<std::size_t>(env)] != 0;
   };
+  if (options_.strict) check_limits(h, acts);
   bool const outer = environments() >= backend_.lanes() && backend_.lanes() > 1;
   workspaces_.resize(static_cast<std::size_t>(outer ? backend_.lanes() : 1));
   if (outer) {
