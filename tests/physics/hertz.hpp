@@ -1,0 +1,114 @@
+// A2.10: a rigid smooth sphere is pressed into a block of tissue (Hertz 1882):
+// F = 4/3 E* sqrt(R) d^1.5, E* = E / (1 - nu^2).
+//
+// A quarter of the block between two planes of symmetry, 4 R wide and 4 R deep: with its mirror images 8 R. The force is
+// the slope of the strain energy over depth, of a motion slow enough to be one of equilibria: the sphere takes six
+// times as long as a shear wave through the block.
+#pragma once
+
+#include "catch.hpp"
+
+#include <array>
+#include <vector>
+
+#include <mpmpbd/backend/threads.hpp>
+#include <mpmpbd/effects/damping.hpp>
+#include <mpmpbd/effects/indenter.hpp>
+#include <mpmpbd/effects/walls.hpp>
+#include <mpmpbd/mpm/materials/neo_hookean.hpp>
+#include <mpmpbd/scene/simulation.hpp>
+#include <mpmpbd/scene/totals.hpp>
+
+namespace test {
+
+using namespace mpmpbd;
+
+class Indentation {
+ public:
+  static constexpr double radius = 10e-3, young = 10e3, poisson = 0.45, density = 1000.0;
+  static constexpr double deepest = 1.6e-3;
+
+  explicit Indentation(int cells_per_radius)
+      : dx_(radius / cells_per_radius), n_(4 * cells_per_radius), run_(options()) {
+    double const speed = std::sqrt(young / (2 * (1 + poisson)) / density), side = n_ * dx_;
+    duration_ = 6 * side / speed;
+    low_ = margin * dx_;
+    top_ = low_ + side;
+    run_.set<NeoHookean>(lame(young, poisson));
+    run_.set<Damping>({speed / side});
+    run_.set<Walls<Slip>>({{low_, low_, low_}, {top_, top_, 1e3}});
+    run_.set<Indenter>({{low_, low_, top_ + radius}, {0, 0, -deepest / duration_}, radius, 1e3});
+    std::vector<Vec3<double>> at;
+    for (int k = 0; k < 2 * n_; ++k)
+      for (int j = 0; j < 2 * n_; ++j)
+        for (int i = 0; i < 2 * n_; ++i)
+          at.push_back(vec(low_, low_, low_) + 0.5 * dx_ * vec(i + 0.5, j + 0.5, k + 0.5));
+    run_.add_particles(0, at, density, dx_ * dx_ * dx_ / 8);
+  }
+
+  // Force [N] of the whole block at depths [m] that `samples` intervals of the way have in their middles.
+  struct Curve {
+    std::vector<double> depth, force;
+  };
+  Curve press(int samples) {
+    Curve curve;
+    double before = 4 * tissue_totals(run_, 0).strain;
+    for (int n = 0; n < samples; ++n) {
+      run_.step(duration_ / samples);
+      double const now = 4 * tissue_totals(run_, 0).strain;
+      curve.depth.push_back(deepest * (n + 0.5) / samples);
+      curve.force.push_back((now - before) * samples / deepest);
+      before = now;
+    }
+    CHECK(run_.status(0) == 0);
+    return curve;
+  }
+  static double hertz(double depth) {
+    return 4.0 / 3.0 * young / (1 - poisson * poisson) * std::sqrt(radius) * std::pow(depth, 1.5);
+  }
+
+ private:
+  struct Pressed : Scene<Mpm<NeoHookean>, Damping, Walls<Slip>, Indenter> {};
+  static constexpr int margin = 3;
+
+  SimulationOptions options() const {
+    int const nodes = n_ + 2 * margin + 1;
+    return {.environments = 1,
+            .cell_size = dx_,
+            .nodes = {nodes, nodes, nodes},
+            .capacity = {{"particle", std::int64_t{8} * n_ * n_ * n_}}};
+  }
+
+  double dx_;
+  int n_;
+  Simulation<Pressed, Threads, float> run_;
+  double duration_ = 0.0, low_ = 0.0, top_ = 0.0;
+};
+
+// F^(2/3) is a straight line over depth: where it meets zero is where contact begins, its slope the stiffness.
+struct HertzFit {
+  double gap;        // contact begins so far before the sphere meets the particles' faces [m]
+  double stiffness;  // over Hertz's
+  double exponent;   // of F over depth + gap
+};
+inline HertzFit fit_hertz(Indentation::Curve const& curve, double from, double to) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (std::size_t i = 0; i < curve.depth.size(); ++i) {
+    double const d = curve.depth[i], f = std::pow(curve.force[i], 2.0 / 3.0);
+    if (d < from || d > to) continue;
+    n += 1, x += d, y += f, xx += d * d, xy += d * f;
+  }
+  double const slope = (n * xy - x * y) / (n * xx - x * x), at_zero = (y - slope * x) / n;
+  HertzFit fit{at_zero / slope, std::pow(slope, 1.5) / Indentation::hertz(1.0), 0.0};
+  double m = 0, u = 0, v = 0, uu = 0, uv = 0;
+  for (std::size_t i = 0; i < curve.depth.size(); ++i) {
+    double const d = curve.depth[i];
+    if (d < from || d > to) continue;
+    double const p = std::log(d + fit.gap), q = std::log(curve.force[i]);
+    m += 1, u += p, v += q, uu += p * p, uv += p * q;
+  }
+  fit.exponent = (m * uv - u * v) / (m * uu - u * u);
+  return fit;
+}
+
+}  // namespace test
