@@ -29,6 +29,7 @@ struct BentCase {
   double pull = 0;
   double lambda = 2;                      // of the tissue
   double radius = 0, clamp_pressure = 0;  // of the thread, and how the tissue grips it
+  double drag = 0;  // per length and speed, in shear moduli times units of time
   Units unit{};
 };
 
@@ -106,6 +107,7 @@ template <class T, class Form> struct BentThread {
     if (c.scheme == Scheme::contact_then_xpbd) rig.stretch_compliance = T(1e12);
     if constexpr (Form::FrictionLaw::grips)
       rig.friction = {T(c.friction), T(c.clamp_pressure * u.modulus)};
+    if constexpr (Form::DragLaw::drags) rig.drag = {T(c.drag * u.modulus * u.time())};
     start = rig.bead;
     drift.assign(rig.points.size(), Vec3<T>{});
   }

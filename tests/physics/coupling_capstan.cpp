@@ -1,5 +1,5 @@
-// A thread pulled round a bend of 90 degrees in tissue: free without friction, a capstan with it. See
-// bent_thread.hpp.
+// A4.5 and, in tissue, A3.16: a thread pulled round a bend of 90 degrees: free without friction, a capstan with it,
+// and with drag besides. See bent_thread.hpp.
 // seconds: 40
 #include "physics/bent_thread_checks.hpp"
 
@@ -49,4 +49,25 @@ TEST_CASE("friction round a bend does not depend on speed", "[coupling][capstan]
   double const fast = exponent(run_bent<double>(pulled(0.2, 0.02)), 0.2);
   CAPTURE(slow, fast);
   CHECK(std::abs(fast / slow - 1) < 0.03);
+}
+
+// With drag c v per length, dT/ds = c v on the straights and dT/dphi = mu T + c v R in the bend. The angle of wrap
+// is that of the same thread without drag.
+TEST_CASE("A4.5: drag adds to friction round a bend", "[coupling][capstan][drag]") {
+  using Dragged =
+      mpmpbd::EmbeddedForm<mpmpbd::QuadraticBSpline, mpmpbd::Friction, mpmpbd::Drag, false>;
+  double const mu = 0.2, speed = 0.01, embedded = 3;  // cells of each straight in the tissue
+  double const wrap = exponent(run_bent<double>(pulled(mu, speed)), mu);
+  for (double per_length : {0.1, 0.3}) {  // of a tension of 4
+    BentCase c = pulled(mu, speed);
+    c.drag = per_length / speed;
+    BentResult const r = BentThread<double, Dragged>(c).run();
+    double const grown = std::exp(mu * wrap), R = bend_radius;
+    double const expected = (r.held + per_length * embedded + per_length * R / mu) * grown -
+                            per_length * R / mu + per_length * embedded;
+    CAPTURE(per_length, wrap, r.held, r.pulled, expected);
+    CHECK_FALSE(r.ran_away);
+    CHECK(r.pulled == Approx(expected).epsilon(0.03));
+    CHECK(r.pulled > 1.05 * r.held * grown);  // it is the drag that is seen
+  }
 }
