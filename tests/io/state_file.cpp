@@ -1,4 +1,4 @@
-// Checkpoints continue bit for bit; bad files are refused and change nothing.
+// B40: checkpoints continue bit for bit; bad files are refused and change nothing.
 #include "../catch.hpp"
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Stick stiffness of a rigid shaft that is pulled along itself out of a cylinder of tissue with a fixed
+// A4.4: stick stiffness of a rigid shaft that is pulled along itself out of a cylinder of tissue with a fixed
 // mantle: k = 2 pi mu L / ln(b/a). A line on a grid has no radius a of its own; it acts as one of radius
 // a = kappa dx (Peaceman's well), so 1/k changes by ln(2) / (2 pi mu L) when cells are halved.
 // seconds: 25

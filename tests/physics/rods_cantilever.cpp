@@ -1,5 +1,5 @@
 // seconds: 3
-// A clamped 3-0 nylon thread in small bending: static tip deflection and first period. Stiff bending is what
+// A3.5 and A3.14, small: a clamped 3-0 nylon thread, its static tip deflection and first period. Stiff bending is what
 // the direct solver is for: h^2 w |grad turn|^2 / alpha is 350 and more.
 #include "catch.hpp"
 #include "pbd/rig.hpp"

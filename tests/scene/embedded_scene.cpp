@@ -1,5 +1,5 @@
 // Embedded in whole scenes, through Simulation: what a scene does not name is not there, and a suturing
-// scene in contact is a value - saved, restored, reset, copied and run beside others, bit for bit.
+// scene in contact is a value - saved, restored, reset, copied and run beside others, bit for bit (B40, B41).
 // seconds: 30
 // processors: 2
 #include <fstream>

@@ -1,4 +1,4 @@
-// The tip against the surface: touch, puncture, exit; hysteresis, hard cases, faults.
+// The tip against the surface: touch, puncture, exit; hysteresis, hard cases, faults (A4.6, B32).
 #include "catch.hpp"
 
 #include "held_sheet.hpp"
