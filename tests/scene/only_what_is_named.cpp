@@ -1,4 +1,5 @@
 // A scene stores and runs what it names, and nothing else.
+#include <mpmpbd/effects/body_force.hpp>
 #include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/effects/walls.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
@@ -38,6 +39,13 @@ static_assert(holds_exactly<ParticleFields<Of<Body<Tpic>>>, Position, Velocity, 
 // Stress and velocity gradient live in registers.
 static_assert(!contains<typename Of<Body<>>::StateFields, Stress>);
 static_assert(!contains<typename Of<Body<>>::StateFields, Gradient>);
+// A force on particles is stored, and given to the grid, where a scene names it.
+static_assert(holds_exactly<ParticleFields<Of<Body<Pic>, mpmpbd::BodyForce>>, Position, Velocity,
+                            Mass, Volume, Deformation, particle::BodyForce>);
+template <class S> using Scatters = ParticlesToGrid<typename S::Body, typename S::Effects>;
+static_assert(Scatters<Of<Body<>, mpmpbd::BodyForce>>::driven);
+static_assert(!Scatters<Of<Body<>, Gravity>>::driven);
+static_assert(!contains<typename Scatters<Of<Body<>, Gravity>>::Writes, Acceleration>);
 
 // The grid keeps what was before the forces only for FLIP.
 template <class S>

@@ -141,8 +141,10 @@ struct Volume : Field<"V0", "m^3", Number, Particles> {};       // at rest
 struct Affine : Field<"C", "1/s", Matrix, Particles> {};        // affine velocity, APIC and TPIC
 struct Deformation : Field<"F", "1", Matrix, Particles> {};     // deformation gradient
 struct Fibre : Field<"a0", "1", Vector, Particles> {};          // unit direction at rest
+struct BodyForce : Field<"b", "N/kg", Vector, Particles> {};    // force per mass, set by the caller
 struct Stress : Transient<"tau", "Pa", Matrix, Particles> {};   // Kirchhoff stress J sigma
 struct Gradient : Transient<"L", "1/s", Matrix, Particles> {};  // velocity gradient
+struct Acceleration : Transient<"a", "m/s^2", Vector, Particles> {};  // given by effects
 }  // namespace particle
 
 // Fields of grid nodes (scratch of one substep, never state).

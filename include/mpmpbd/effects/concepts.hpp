@@ -67,6 +67,10 @@ template <class E> consteval bool check_effect() {
       Effect<E>,
       "mpmpbd Effect: give `template <class Item, class K, class T> MPMPBD_HD static void apply(Item& item, K const& k, Tick<T> const& tick)`, using only declared fields");
   if constexpr (Effect<E>) {
+    static_assert(
+        E::slot == Slot::before_scatter || !contains<typename E::Writes, particle::Acceleration>,
+        "mpmpbd Effect: particle::Acceleration goes to the grid with the scatter, and is lost in any "
+        "other slot; write `static constexpr Slot slot = Slot::before_scatter;`");
     [[maybe_unused]] constexpr auto look_inside = &detail::apply_to_archetype<E>;
   }
   return Effect<E>;

@@ -2,6 +2,8 @@
 //
 // m_i += w m;  (m v)_i += w m (v + C d) - dt V0 tau g,  g = D^-1 w d (MLS) or grad w. Jiang et al.
 // 2015; Hu et al. 2018, eq. 16-18. With MLS both terms are one matrix: w (m C - dt V0 D^-1 tau) d.
+// Where particles are driven, + w m dt a. Added to a particle's own velocity instead, a force would leave
+// FLIP with what the grid cannot see.
 #pragma once
 
 #include <mpmpbd/core/tick.hpp>
@@ -93,20 +95,21 @@ template <class Body> struct Scatter {
   // Adds one particle (or a pack of them, one after the other) to the grid: `grid.window(node).row(j, k)` is
   // a row along x from there, and `row.add(n, quad)` adds to its n-th node: floating point on the host, fixed
   // point in a kernel. `add_previous` adds the same without the impulse of the forces, for transfers that ask.
-  template <class P, class Grid, class S>
+  // With `driven`, particles have an Acceleration.
+  template <bool driven = false, class P, class Grid, class S>
   MPMPBD_INLINE static void run(P const& p, Grid const& grid, Lattice<S> const& lattice, S dt) {
     using T = typename P::Scalar;
     auto const s = Stencils<T, Shape>::at(lattice, p[particle::Position{}]);
     auto const w = Weights<T>::at(s.f);
     detail::LaneMomentum<S> carried[lanes<T>];
-    to_each(momentum<Form::uses_moment>(p, s, lattice, dt), carried);
+    to_each(momentum<Form::uses_moment, driven>(p, s, lattice, dt), carried);
     if constexpr (!Form::uses_moment)
       impulse_to_each(T(-dt * lattice.inverse_dx) * p[particle::Volume{}], p[particle::Stress{}],
                       carried);
     for (int l = 0; l < lanes<T>; ++l)
       add<false>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
     if constexpr (Transfer::needs_previous_grid) {
-      to_each(momentum<false>(p, s, lattice, dt), carried);
+      to_each(momentum<false, false>(p, s, lattice, dt), carried);
       for (int l = 0; l < lanes<T>; ++l)
         add<true>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
     }
@@ -181,12 +184,13 @@ template <class Body> struct Scatter {
   }
 
   // Momentum and mass as an affine function of the offset; with the impulse of the forces (MLS) or without.
-  template <bool forces, class P, class T, class S>
+  template <bool forces, bool driven, class P, class T, class S>
   MPMPBD_INLINE static detail::AffineMomentum<T> momentum(P const& p, Stencils<T, Shape> const& s,
                                                           Lattice<S> const& lattice,
                                                           [[maybe_unused]] S dt) {
     T const m = p[particle::Mass{}];
-    Vec3<T> const v = m * p[particle::Velocity{}];
+    Vec3<T> v = m * p[particle::Velocity{}];
+    if constexpr (driven) v += (m * T(dt)) * p[particle::Acceleration{}];
     Mat3<T> A{};
     if constexpr (Transfer::carries_affine) A = (m * T(lattice.dx)) * p[particle::Affine{}];
     if constexpr (forces)

@@ -101,8 +101,12 @@ template <class Body, class Effects> struct ParticlesToGrid {
       join_t<TypeList<Material>, Before,
              TypeList<typename Body::Transfer, typename Body::Form, typename Body::Shape>>;
   static constexpr bool branch_free = detail::all_branch_free<Parts>;
+  // Whether an effect accelerates particles.
+  static constexpr bool driven =
+      contains<typename detail::WritesOf<Before>::type, particle::Acceleration>;
   using Reads = union_t<typename Material::Reads, typename detail::ReadsOf<Before>::type,
-                        typename Scatter<Body>::Reads>;
+                        typename Scatter<Body>::Reads,
+                        std::conditional_t<driven, Fields<particle::Acceleration>, Fields<>>>;
   using Writes = union_t<Fields<particle::Stress, node::Mass, node::Momentum>,
                          std::conditional_t<Body::Transfer::needs_previous_grid,
                                             Fields<node::PreviousMomentum>, Fields<>>,
@@ -115,8 +119,9 @@ template <class Body, class Effects> struct ParticlesToGrid {
       if (any(!(determinant(p[particle::Deformation{}]) > typename P::Scalar(0))))
         faults |= static_cast<std::uint32_t>(Fault::inversion);
     p[particle::Stress{}] = Material::kirchhoff(p, context.template of<Material>());
+    if constexpr (driven) p[particle::Acceleration{}] = Vec3<typename P::Scalar>{};
     detail::apply_effects(Before{}, p, context);
-    Scatter<Body>::run(p, sums, context.lattice, context.tick.dt);
+    Scatter<Body>::template run<driven>(p, sums, context.lattice, context.tick.dt);
     return faults;
   }
 };

@@ -16,6 +16,7 @@ template <class E, class T> class EffectProbe {
   using Item = detail::Archetype<E, T>;
   using K = parameters_t<parameter_owner_t<E>, T>;
   static constexpr bool on_stress = contains<typename Item::List, particle::Stress>;
+  static constexpr bool on_acceleration = contains<typename E::Writes, particle::Acceleration>;
 
   explicit EffectProbe(parameters_t<parameter_owner_t<E>, double> const& k)
       : k_(cast_parameters<parameter_owner_t<E>, T, double>(k)) {}
@@ -41,6 +42,7 @@ template <class E, class T> class EffectProbe {
     set<bead::Position>(i, random.matrix<3>(-0.3, 0.7));
     set<bead::Velocity>(i, random.matrix<3>(-2, 2));
     set<bead::InverseMass>(i, random.log_uniform(1e2, 1e6));
+    set<particle::BodyForce>(i, random.matrix<3>(-20, 20));
     return i;
   }
   static bool finite(Item const& item) {
@@ -85,6 +87,19 @@ template <class E, class T> class EffectProbe {
  private:
   K k_;
 };
+
+// What an effect takes from the acceleration that others gave, relative.
+template <class E, class T>
+double acceleration_lost(EffectProbe<E, T> const& probe, Samples& random, double dt) {
+  auto alone = EffectProbe<E, T>::item(random), added = alone;
+  added[particle::Acceleration{}] = cast<T>(random.matrix<3>(-20, 20));
+  auto const there = cast<double>(added[particle::Acceleration{}]);
+  probe.apply(alone, dt);
+  probe.apply(added, dt);
+  auto const own = cast<double>(alone[particle::Acceleration{}]);
+  auto const sum = cast<double>(added[particle::Acceleration{}]);
+  return norm(sum - there - own) / (norm(there) + norm(own));
+}
 
 // A body sheared to and fro between random directions, with the stress of a neo-Hookean solid.
 template <class E, class T> class ShearCycle {
@@ -215,6 +230,12 @@ Laws effect_laws(parameters_t<parameter_owner_t<E>, double> const& k, double dt 
       probe.apply(rest, dt);
     }
     laws.push_back({"no stress from rest [Pa]", norm(Probe::stress(rest)), 0});
+  }
+  if constexpr (E::slot == Slot::before_scatter && Probe::on_acceleration) {
+    double lost = 0;
+    for (int s = 0; s < 200; ++s)
+      lost = max(lost, testing::acceleration_lost<E, T>(probe, random, dt));
+    laws.push_back({"adds to the acceleration of other effects, relative", lost, 4 * eps});
   }
   if constexpr (E::slot == Slot::after_solve) {
     double moved = 0;
