@@ -121,6 +121,51 @@ TEST_CASE("a damaged or foreign state file is refused with the reason", "[io][st
   CHECK(refusal<Store>(file).find("cannot be opened") != std::string::npos);
 }
 
+namespace {
+// The numbers of a state file after its description, and its checksum.
+struct Forged {
+  std::vector<char> bytes;
+  explicit Forged(std::vector<char> const& good) : bytes(good) {}
+  std::size_t after_description() const {
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + 12, sizeof length);
+    return 16 + length;
+  }
+  // Writes a number of 8 bytes, so many numbers after the description, and the checksum that fits.
+  Forged& put(std::size_t place, std::int64_t number) {
+    std::memcpy(bytes.data() + after_description() + 8 * place, &number, sizeof number);
+    auto const sum = mpmpbd::detail::fnv1a(bytes.data(), bytes.size() - 8);
+    std::memcpy(bytes.data() + bytes.size() - 8, &sum, sizeof sum);
+    return *this;
+  }
+};
+}  // namespace
+
+// The checksum is right, the numbers are not: nothing may be allocated or counted by them.
+TEST_CASE("a state file that describes more than it holds is refused", "[io][state_file]") {
+  auto const file = scratch_file("forged.state");
+  auto sim = spinning_block<float>();
+  using Store = decltype(sim)::Store;
+  write_state_file(file, sim.state());
+  auto const good = bytes_of(file);
+  auto const said = [&](std::size_t place, std::int64_t number) {
+    write_bytes(file, Forged(good).put(place, number).bytes);
+    return refusal<Store>(file);
+  };
+  enum : std::size_t { environments, capacity, live };  // of the first table
+  std::int64_t const huge = std::int64_t{1} << 62;
+  for (std::int64_t const count : {huge, -huge, std::int64_t{-1}, std::int64_t{1} << 40}) {
+    CAPTURE(count);
+    CHECK(said(environments, count).find("which it does not hold") != std::string::npos);
+    CHECK(said(capacity, count).find("which it does not hold") != std::string::npos);
+    CHECK(said(live, count).find("items in use, of") != std::string::npos);
+  }
+  CHECK(said(environments, 2).empty());  // what it was
+  CHECK(refusal<Store>(std::filesystem::temp_directory_path().string()).find("is not a file") !=
+        std::string::npos);
+  std::filesystem::remove(file);
+}
+
 TEST_CASE("a state of another scene, precision or size is refused", "[io][state_file]") {
   auto const file = scratch_file("other.state");
   auto sim = spinning_block<float>();

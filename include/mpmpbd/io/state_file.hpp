@@ -75,6 +75,7 @@ class ByteReader {
     at_ += count;
   }
   bool at_end() const { return at_ == end_; }
+  std::size_t left() const { return end_ - at_; }
 
  private:
   void need(std::size_t count) const {
@@ -117,11 +118,38 @@ inline std::string first_difference(std::string const& given, std::string const&
 inline std::vector<char> read_all(std::string const& file) {
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   if (!in) refuse_state_file(file, "cannot be opened");
+  if (!std::filesystem::is_regular_file(file)) refuse_state_file(file, "is not a file");
   std::vector<char> bytes(static_cast<std::size_t>(in.tellg()));
   in.seekg(0);
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!in) refuse_state_file(file, "cannot be read");
   return bytes;
+}
+
+// Refuses a number of items for which the rest of the file is too short: nothing is allocated for it.
+inline void check_count(ByteReader const& in, std::string const& file, std::int64_t count,
+                        std::size_t bytes_each) {
+  if (count < 0 || (bytes_each > 0 && static_cast<std::size_t>(count) > in.left() / bytes_each))
+    refuse_state_file(file,
+                      "describes " + std::to_string(count) + " items, which it does not hold");
+}
+
+template <class Table_>
+void read_table(ByteReader& in, std::string const& file, std::int64_t environments, Table_& table) {
+  auto const capacity = in.get<std::int64_t>();
+  check_count(in, file, capacity, static_cast<std::size_t>(environments) * Table_::bytes_per_item);
+  table.resize(environments, capacity);
+  for (std::int64_t e = 0; e < environments; ++e) {
+    auto const live = in.get<std::int64_t>();
+    if (live < 0 || live > capacity)
+      refuse_state_file(
+          file, "has " + std::to_string(live) + " items in use, of " + std::to_string(capacity));
+    table.set_live(e, live);
+  }
+  for_each_field(typename Table_::List{}, [&]<class F>(F) {
+    auto& plane = table.template planes<F>();
+    in.get_bytes(plane.data(), plane.size() * sizeof(plane[0]));
+  });
 }
 
 }  // namespace detail
@@ -185,15 +213,10 @@ template <class Store> Store read_state_file(std::string const& file) {
         file, "belongs to another scene: " +
                   detail::first_difference(description, detail::describe_state<Store>()));
   auto const environments = in.get<std::int64_t>();
+  detail::check_count(in, file, environments, sizeof(std::int64_t));
   Store state(environments);
   for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D>) {
-    auto& table = state.template table<D>();
-    table.resize(environments, in.get<std::int64_t>());
-    for (std::int64_t e = 0; e < environments; ++e) table.set_live(e, in.get<std::int64_t>());
-    for_each_field(on_t<typename Store::List, D>{}, [&]<class F>(F) {
-      auto& plane = table.template planes<F>();
-      in.get_bytes(plane.data(), plane.size() * sizeof(plane[0]));
-    });
+    detail::read_table(in, file, environments, state.template table<D>());
   });
   if (!in.at_end()) detail::refuse_state_file(file, "holds more bytes than it describes");
   return state;
