@@ -109,6 +109,15 @@ TEST_CASE("each mistake in a file has its sentence", "[io][config]") {
   REQUIRE_THAT(refusal("seed = 1\n[wire"), Catch::Contains("a.toml:2: "));
 }
 
+// A double holds whole numbers up to 2^53 exactly; beyond, toml++ hands out none.
+TEST_CASE("large whole numbers are numbers", "[io][config]") {
+  REQUIRE_THAT(refusal("seed = 9223372036854775807"),
+               Catch::Contains("seed = 9223372036854775807 is not"));
+  auto const s = io::parse_config<Settings>(
+      "wire.place_m = [0, 9007199254740993, -9223372036854775807]", "a.toml");
+  REQUIRE(s.wire.place == vec(0.0, 9007199254740992.0, -9223372036854775808.0));
+}
+
 TEST_CASE("rules between keys name the key, its line and the range they leave", "[io][config]") {
   REQUIRE(
       refusal("half_m = 0.01\n[wire]\nradius_m = 0.02") ==

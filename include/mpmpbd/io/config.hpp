@@ -213,13 +213,14 @@ class ConfigReader {
   template <class Number> bool number(ConfigKey const& key, toml::node const& node, Number& out) {
     bool const whole = !std::is_same_v<Number, double>;
     if (!node.is_integer() && (whole || !node.is_floating_point())) return false;
-    // As a double for the bounds; whole numbers that a double rounds are out of every int's range.
-    double const value = node.value<double>().value_or(0.0);
+    // As a double for the bounds. toml++ gives none for a whole number that it would round.
+    std::int64_t const exact = node.value<std::int64_t>().value_or(0);
+    double const value =
+        node.is_integer() ? static_cast<double>(exact) : node.value<double>().value_or(0.0);
     bool fits = mpmpbd::detail::allows(key.bounds, value);
     if constexpr (std::is_same_v<Number, double>) {
       if (fits) out = value;
     } else {
-      std::int64_t const exact = node.value<std::int64_t>().value_or(0);
       fits = fits && exact >= std::numeric_limits<Number>::min() &&
              exact <= std::numeric_limits<Number>::max();
       if (fits) out = static_cast<Number>(exact);
