@@ -78,6 +78,15 @@ TEST_CASE("what is not our kind of PLY file is refused with the reason", "[io][p
   CHECK_THAT(said(head + "element vertex many\nend_header\n"), Contains("'many'"));
   CHECK_THAT(said(head + "element vertex 1\nproperty half x\nend_header\n"), Contains("half"));
   CHECK_THAT(said(head + "element vertex 0\nend_header\nmore"), Contains("4 bytes follow"));
+  // Numbers that cost nothing to claim, and elements in an order in which they are not read.
+  CHECK_THAT(said(head + "element vertex 999999999999999999\nend_header\n"),
+             Contains("no properties"));
+  CHECK_THAT(said(head + "element face 1\nend_header\n\3"), Contains("no corners"));
+  std::string const corners = "property list uchar int v\n";
+  CHECK_THAT(said(head + "element face 1\n" + corners + "element vertex 1\nend_header\n"),
+             Contains("'element vertex 1'"));
+  CHECK_THAT(said(head + "element face 1\n" + corners + corners + "end_header\n"),
+             Contains("one 'list uchar int'"));
   std::string const face =
       head +
       "element vertex 1\nproperty uchar x\nelement face 1\nproperty list uchar int v\nend_header\nA";

@@ -160,23 +160,33 @@ class PlyReader {
       refuse("not a PLY file");
     line();
     std::string element;
+    bool has_corners = false;
     for (std::string text = line(); text != "end_header"; text = line()) {
       std::vector<std::string> const w = words(text);
       if (w.empty() || w[0] == "comment" || w[0] == "obj_info") continue;
       if (w[0] == "format" && w.size() == 3 && w[1] == "binary_little_endian") continue;
       if (w[0] == "format")
         refuse(fmt::format("'{}'; only binary_little_endian can be read", text));
-      if (w[0] == "element" && w.size() == 3 && (w[1] == "vertex" || w[1] == "face")) {
+      bool const opens = w[0] == "element" && w.size() == 3;
+      if (opens && w[1] == "vertex" && element.empty()) {
+        vertices_ = count(w[2]);
         element = w[1];
-        (element == "vertex" ? vertices_ : faces_) = count(w[2]);
+      } else if (opens && w[1] == "face" && element != "face") {
+        faces_ = count(w[2]);
+        element = w[1];
       } else if (w[0] == "property" && element == "vertex" && w.size() == 3) {
         ply_.columns.push_back({w[2], type(w[1]), {}});
-      } else if (!(text.starts_with("property list uchar int ") && element == "face")) {
+      } else if (text.starts_with("property list uchar int ") && element == "face" &&
+                 !has_corners) {
+        has_corners = true;
+      } else {
         refuse(fmt::format(
-            "'{}'; vertices with single properties and faces with 'list uchar int' can be read",
+            "'{}'; vertices with single properties, then faces with one 'list uchar int' can be read",
             text));
       }
     }
+    if (vertices_ > 0 && ply_.columns.empty()) refuse("its vertices have no properties");
+    if (faces_ > 0 && !has_corners) refuse("its faces have no corners");
   }
 
   template <class T> T value() {
