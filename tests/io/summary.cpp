@@ -38,5 +38,8 @@ TEST_CASE("a truncated summary is refused with its path", "[io][summary]") {
   write_file(scratch / "cut.json", R"({"peak force": {"val)");
   CHECK_THAT(complaint<FileError>([&] { read_json(scratch / "cut.json"); }),
              Contains((scratch / "cut.json").string()));
+  write_file(scratch / "large.json", R"({"peak force": 1e999})");
+  CHECK_THAT(complaint<FileError>([&] { read_json(scratch / "large.json"); }),
+             Contains("large.json"));
 }
 #endif

@@ -37,7 +37,7 @@ inline Json read_json(Path const& path) {
   std::string const text = read_file(path);
   try {
     return Json::parse(text);
-  } catch (Json::parse_error const& error) {
+  } catch (Json::exception const& error) {  // not only of its grammar: 1e999 is out of range
     throw FileError(
         fmt::format("cannot read '{}': not a JSON file ({})", path.string(), error.what()));
   }
