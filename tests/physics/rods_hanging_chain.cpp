@@ -2,6 +2,7 @@
 // A3.3 of verification.md: the period of a hanging chain of N equal beads is a zero of the Laguerre polynomial.
 #include "catch.hpp"
 #include "pbd/rig.hpp"
+#include "physics/ringing.hpp"
 
 #include <Eigen/Dense>
 
@@ -28,8 +29,7 @@ std::pair<double, Eigen::VectorXd> slowest_mode(int N) {
   return {solved.eigenvalues()(0), solved.eigenvectors().col(0)};
 }
 
-// The period in units of sqrt(L/g), from the recurrence x[n+1] = 2 r cos(phi) x[n] - r^2 x[n-1] of a damped
-// mode (least squares), with `steps` per period.
+// The period in units of sqrt(L/g), with `steps` per period.
 double period(int N, int steps) {
   auto const [lambda, shape] = slowest_mode(N);
   double const T = 2 * pi<double> / std::sqrt(lambda * gravity / (length / N)), h = T / steps;
@@ -45,20 +45,15 @@ double period(int N, int steps) {
     before = out;
     rig.store.set<bead::Position>(0, k + 1, at);
   }
-  double a = 0, b = 0, p = 0, q = 0, c = 0;
-  double x0 = 0, x1 = 0;
+  Ringing mode;
   for (int s = 0; s < steps; ++s) {
     rig.step(h);
-    double x2 = 0;
-    for (int k = 0; k < N; ++k) x2 += shape(k) * (rig.x(k + 1)[0] - 0.1);
-    if (s >= 2) a += x1 * x1, b += x1 * x0, c += x0 * x0, p += x2 * x1, q += x2 * x0;
-    x0 = x1;
-    x1 = x2;
+    double x = 0;
+    for (int k = 0; k < N; ++k) x += shape(k) * (rig.x(k + 1)[0] - 0.1);
+    mode.add(x);
   }
-  double const u = (p * c - q * b) / (a * c - b * b), w = (q * a - p * b) / (a * c - b * b);
-  double const phi = std::acos(u / (2 * std::sqrt(-w)));
   REQUIRE(rig.faults == 0);
-  return 2 * pi<double> * h / phi / std::sqrt(length / gravity);
+  return 2 * pi<double> * h / mode.turn() / std::sqrt(length / gravity);
 }
 }  // namespace
 
