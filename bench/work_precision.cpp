@@ -12,6 +12,8 @@
 #include <fmt/core.h>
 
 #include <mpmpbd/io/file.hpp>
+#include <mpmpbd/mpm/transfer/pic.hpp>
+#include <mpmpbd/mpm/transfer/tpic.hpp>
 
 #include "pbd/rig.hpp"
 #include "physics/colliding_discs.hpp"
@@ -26,9 +28,9 @@ struct Point {
   bool good;  // no fault on the way
 };
 
-class Table {
+class Results {
  public:
-  explicit Table(int repeats) : repeats_(repeats) {}
+  explicit Results(int repeats) : repeats_(repeats) {}
 
   template <class Make>
   void add(std::string const& problem, std::string const& policy, std::string const& rule,
@@ -58,28 +60,31 @@ template <class Body> std::string name_of() {
          " " + std::string(Body::Form::name.view());
 }
 
-template <class Body> void vortex_points(Table& table) {
-  auto const k = Vortex{0.1}.material;
+template <class Body> void vortex_points(Results& table) {
+  Vortex const motion{0.1};
+  auto const& k = motion.material;
+  double const c = motion.wave_speed();
   for (int n : {8, 16, 32}) {
-    double const dx = 1.0 / n, c = std::sqrt((k.lambda + 2 * k.mu) / Vortex::density);
-    double const limit = elastic_limit<Body>(
-        StepBounds<double>{.frequency2 = 3 * (k.lambda + 2 * k.mu / 3) / Vortex::density}, dx);
+    double const dx = 1.0 / n;
+    StepBounds<double> const rest{.frequency2 = (3 * k.lambda + 2 * k.mu) / motion.density};
+    double const best = 0.8 * elastic_limit<Body>(rest, dx) * c / dx;
     for (auto const& [rule, cfl] :
-         {std::pair{"0.8 of the limit", 0.8 * limit * c / dx}, std::pair{"0.1 dx/c", 0.1}}) {
+         {std::pair{"0.8 of the limit", best}, std::pair{"0.1 dx/c", 0.1}}) {
+      VortexCase const what{n, cfl, motion.amplitude};
       int steps = 0;
-      vortex<Body>(n, cfl, steps, 0.1);
+      vortex<Body>(what, steps);
       table.add("vortex", name_of<Body>(), rule, n, steps, [&] {
         int taken = 0;
-        auto run = vortex<Body>(n, cfl, taken, 0.1);
+        auto run = vortex<Body>(what, taken);
         run.advance(taken);
-        return Point{run.error(in_ring) / 0.1, run.status() == 0};
+        return Point{run.error(in_ring) / motion.amplitude, run.status() == 0};
       });
     }
   }
 }
 
 // Error: the share of the kinetic energy that is lost; elastic discs keep all but what rings on in them.
-template <class Body> void disc_points(Table& table) {
+template <class Body> void disc_points(Results& table) {
   for (int n : {10, 20, 40})
     table.add("discs", name_of<Body>(), "1 ms", n, 3500, [&] {
       auto const o = Discs<Body>(n).collide();
@@ -95,14 +100,14 @@ using Compared =
     List<Quadratic<Pic, WeightGradient>, Quadratic<Flip, WeightGradient>,
          Quadratic<Apic, WeightGradient>, Quadratic<Tpic, WeightGradient>, Quadratic<Apic, Mls>,
          Cubic<Flip, WeightGradient>, Cubic<Apic, WeightGradient>, Cubic<Apic, Mls>>;
-template <class... Bodies> void mpm_points(Table& table, List<Bodies...>) {
+template <class... Bodies> void mpm_points(Results& table, List<Bodies...>) {
   (vortex_points<Bodies>(table), ...);
   (disc_points<Bodies>(table), ...);
 }
 
 // A3.4: 50 inextensible links from horizontal, 2 s of frames of 1/60 s. Error: the largest stretch.
 template <class Solver>
-void chain_points(Table& table, std::string const& policy, std::initializer_list<int> substeps) {
+void chain_points(Results& table, std::string const& policy, std::initializer_list<int> substeps) {
   struct Body : Pbd<Constraints<Distance>, Solver> {};
   for (int const n : substeps)
     table.add("chain", policy, "1/60 s / substeps", n, 120 * n, [&] {
@@ -117,7 +122,7 @@ void chain_points(Table& table, std::string const& policy, std::initializer_list
       return Point{worst, rig.finite() && rig.faults == 0};
     });
 }
-void rod_points(Table& table) {
+void rod_points(Results& table) {
   chain_points<Xpbd<1>>(table, "Gauss-Seidel, 1 iteration", {5, 10, 20, 40, 80, 160});
   chain_points<Xpbd<20>>(table, "Gauss-Seidel, 20 iterations", {1, 2, 4, 8});
   chain_points<Xpbd<80>>(table, "Gauss-Seidel, 80 iterations", {1, 2, 4});
@@ -134,7 +139,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: bench_work_precision OUT.csv [REPEATS]\n");
     return 2;
   }
-  Table table(argc > 2 ? std::max(1, std::atoi(argv[2])) : 3);
+  Results table(argc > 2 ? std::max(1, std::atoi(argv[2])) : 3);
   rod_points(table);
   mpm_points(table, Compared{});
   mpmpbd::io::write_file(argv[1], table.text());
