@@ -3,10 +3,12 @@
 
 #include <mpmpbd/pbd/constraints/attachment.hpp>
 #include <mpmpbd/pbd/constraints/bend.hpp>
+#include <mpmpbd/pbd/constraints/bend_twist.hpp>
 #include <mpmpbd/pbd/constraints/distance.hpp>
 #include <mpmpbd/pbd/constraints/half_space.hpp>
 #include <mpmpbd/pbd/constraints/minimum_distance.hpp>
 #include <mpmpbd/pbd/constraints/pin.hpp>
+#include <mpmpbd/pbd/constraints/stretch_shear.hpp>
 #include <mpmpbd/pbd/constraints/swage.hpp>
 #include <mpmpbd/testing/constraint_laws.hpp>
 
@@ -36,6 +38,12 @@ template <> struct Sample<MinimumDistance> {
 template <> struct Sample<HalfSpace> {
   static auto k() { return HalfSpace::Parameters<double>{0.3, -1.7, 0.8, 5e-3, 1e-4}; }
 };
+template <> struct Sample<StretchShear> {
+  static auto k() { return StretchShear::Parameters<double>{13e-3, 2.4e-5, 3.1e-5}; }
+};
+template <> struct Sample<BendTwist> {
+  static auto k() { return BendTwist::Parameters<double>{0.3, -0.2, 0.4, 70, 94}; }
+};
 
 template <class C, class T> void check_laws() {
   for (auto const& law : constraint_laws<C, T>(Sample<C>::k(), 20e-3)) {
@@ -46,7 +54,7 @@ template <class C, class T> void check_laws() {
 }  // namespace
 
 TEMPLATE_TEST_CASE("a constraint keeps the laws", "[constraint][laws]", Distance, Bend, Pin,
-                   Attachment, Swage, MinimumDistance, HalfSpace) {
+                   Attachment, Swage, MinimumDistance, HalfSpace, StretchShear, BendTwist) {
   check_laws<TestType, double>();
   check_laws<TestType, float>();
 }

@@ -114,7 +114,7 @@ TEMPLATE_TEST_CASE("the banded elimination is the dense solve", "[constraint][be
         Row row{Eigen::VectorXd::Zero(n), one.compliance, one.at.value[0], i,
                 std::is_same_v<C, Bend>};
         auto put = [&](int p, auto const& g) {
-          for (int a = 0; a < 3; ++a) row.gradient(3 * one.beads[p] + a) = g[a];
+          for (int a = 0; a < 3; ++a) row.gradient(3 * one.slots[p] + a) = g[a];
         };
         put(0, gradient<0>(one.at));
         put(1, gradient<1>(one.at));

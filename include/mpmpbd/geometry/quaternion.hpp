@@ -76,6 +76,11 @@ template <class T> MPMPBD_HD Quaternion<T> from_axis_angle(Vec3<T> const& unit_a
   return from_rotation_vector(angle * unit_axis);
 }
 
+// q, then turned by |r| rad about the direction of r (world axes).
+template <class T> MPMPBD_HD Quaternion<T> turned(Quaternion<T> const& q, Vec3<T> const& r) {
+  return normalised(product(from_rotation_vector(r), q));
+}
+
 // The rotation vector of q, of length 0 to pi: the shorter of the two ways round, the same for q
 // and -q.
 template <class T> MPMPBD_HD Vec3<T> rotation_vector(Quaternion<T> const& q) {

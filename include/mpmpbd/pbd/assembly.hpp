@@ -1,5 +1,5 @@
-// A rod under construction, on the host and in double: beads and constraint instances, checked one by
-// one, then coloured and written into the tables of a simulation.
+// A rod under construction, on the host and in double: beads, frames and constraint instances, checked one
+// by one, then coloured and written into the tables of a simulation.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +14,19 @@
 namespace mpmpbd {
 
 namespace detail {
+// What constraint C acts on within a rod: for each of its beads and frames, in order, whether it is a frame.
+template <class C>
+inline constexpr auto is_frame_slot = []<class... Us>(TypeList<Us...>) {
+  std::array<bool, static_cast<std::size_t>((int(is_kept<Us>) + ...))> frame{};
+  std::size_t n = 0;
+  ((is_kept<Us> ? void(frame[n++] = std::is_same_v<Us, unknown::Orientation>) : void()), ...);
+  return frame;
+}(typename C::Unknowns{});
+
 template <class C> struct InstanceList {
-  static constexpr std::size_t points = static_cast<std::size_t>(point_count<C>);
-  std::vector<std::array<std::int64_t, points>> beads;
+  static constexpr std::size_t size = std::size(is_frame_slot<C>);
+  using Slots = std::array<std::int64_t, size>;
+  std::vector<Slots> slots;
   std::vector<parameters_t<C, double>> parameters;
 };
 }  // namespace detail
@@ -33,13 +43,17 @@ template <class Body> class RodAssembly {
   using Set = typename Body::Set;
 
   std::int64_t beads() const { return static_cast<std::int64_t>(positions_.size()); }
+  std::int64_t frames() const { return static_cast<std::int64_t>(frames_.size()); }
   template <class C> std::int64_t instances() const {
-    return static_cast<std::int64_t>(of<C>().beads.size());
+    return static_cast<std::int64_t>(of<C>().slots.size());
   }
   Vec3<double> const& position(std::int64_t b) const {
     return positions_[static_cast<std::size_t>(b)];
   }
   double inverse_mass(std::int64_t b) const { return inverse_masses_[static_cast<std::size_t>(b)]; }
+  Quaternion<double> const& orientation(std::int64_t f) const {
+    return frames_[static_cast<std::size_t>(f)].orientation;
+  }
 
   // Adds a bead: position [m], mass [kg], velocity [m/s]. Returns its number.
   std::int64_t add_bead(Vec3<double> const& x, double mass, Vec3<double> const& v = {}) {
@@ -65,27 +79,54 @@ template <class Body> class RodAssembly {
     inverse_masses_[static_cast<std::size_t>(b)] = 1.0 / mass;
   }
 
-  // Adds an instance of constraint C between beads that exist and differ.
+  // Adds the frame of a segment: orientation (w, x, y, z), inertia [kg m^2], angular velocity in world axes
+  // [rad/s]. Returns its number.
+  std::int64_t add_frame(Quaternion<double> const& q, double inertia, Vec3<double> const& w = {}) {
+    static_assert(
+        Body::has_frames,
+        "mpmpbd RodAssembly: no constraint of this rod acts on frames; write StretchShear and BendTwist into its Constraints<...>");
+    check_parameter("RodAssembly::add_frame", bound::positive("inertia", "kg m^2"), inertia);
+    for (int a = 0; a < 3; ++a)
+      check_parameter("RodAssembly::add_frame", bound::any("angular velocity", "rad/s"), w[a]);
+    frames_.push_back({quaternion::checked("RodAssembly::add_frame", q), w, 1.0 / inertia});
+    return frames() - 1;
+  }
+  // Prescribes a frame's motion: it keeps its angular velocity whatever turns it.
+  void prescribe_frame(std::int64_t f, Vec3<double> const& angular_velocity = {}) {
+    check_frame("prescribe_frame", f);
+    frames_[static_cast<std::size_t>(f)].inverse_inertia = 0.0;
+    frames_[static_cast<std::size_t>(f)].angular_velocity = angular_velocity;
+  }
+
+  // Adds an instance of constraint C between beads and frames that exist and differ, given in the order of
+  // its unknowns.
   template <class C>
-  void add(std::array<std::int64_t, detail::InstanceList<C>::points> const& beads,
-           parameters_t<C, double> const& k) {
+  void add(typename detail::InstanceList<C>::Slots const& slots, parameters_t<C, double> const& k) {
     static_assert(
         Set::template has<C>,
         "mpmpbd RodAssembly: this constraint is not in the rod's set; write it into Constraints<...>");
     check_parameters<C, double>(k);
-    for (auto b : beads) check_bead(C::name.view(), b);
-    for (std::size_t i = 0; i < beads.size(); ++i)
+    constexpr auto is_frame = detail::is_frame_slot<C>;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      if (is_frame[i])
+        check_frame(C::name.view(), slots[i]);
+      else
+        check_bead(C::name.view(), slots[i]);
+      std::string const what = is_frame[i] ? "frame" : "bead";
       for (std::size_t j = 0; j < i; ++j)
-        refuse_if(beads[i] == beads[j], C::name.view(),
-                  "acts on bead " + std::to_string(beads[i]) + " twice; give different beads");
-    if constexpr (detail::needs_chain<typename Body::Solver>) check_chain<C>(beads);
-    of<C>().beads.push_back(beads);
+        refuse_if(is_frame[i] == is_frame[j] && slots[i] == slots[j], C::name.view(),
+                  "acts on " + what + " " + std::to_string(slots[i]) + " twice; give different " +
+                      what + "s");
+    }
+    if constexpr (detail::needs_chain<typename Body::Solver>) check_chain<C>(slots);
+    of<C>().slots.push_back(slots);
     of<C>().parameters.push_back(k);
   }
 
   // Slots that each domain needs, for SimulationOptions::capacity.
   std::vector<Capacity> capacity() const {
     std::vector<Capacity> all{{Beads::name.view(), beads()}};
+    if constexpr (Body::has_frames) all.push_back({Frames::name.view(), frames()});
     for_each_type(typename Set::List{}, [&]<class C>(std::type_identity<C>) {
       all.push_back({C::name.view(), instances<C>()});
     });
@@ -105,6 +146,7 @@ template <class Body> class RodAssembly {
       table.template set<bead::InverseMass>(env, b, T(inverse_masses_[i]));
       table.template set<bead::Previous>(env, b, cast<T>(positions_[i]));
     }
+    if constexpr (Body::has_frames) write_frames(store, env);
     for_each_type(typename Set::List{},
                   [&]<class C>(std::type_identity<C>) { write_instances<C>(store, env, visit); });
   }
@@ -126,17 +168,60 @@ template <class Body> class RodAssembly {
               "bead " + std::to_string(b) + " does not exist; the rod has beads 0 to " +
                   std::to_string(beads() - 1));
   }
-  template <class C>
-  void check_chain(std::array<std::int64_t, detail::InstanceList<C>::points> const& beads) const {
-    for (std::size_t i = 1; i < beads.size(); ++i)
+  void check_frame(std::string_view owner, std::int64_t f) const {
+    refuse_if(f < 0 || f >= frames(), owner,
+              "frame " + std::to_string(f) + " does not exist; the rod has frames 0 to " +
+                  std::to_string(frames() - 1));
+  }
+  template <class C> void check_chain(typename detail::InstanceList<C>::Slots const& slots) const {
+    constexpr auto is_frame = detail::is_frame_slot<C>;
+    for (std::size_t i = 1; i < slots.size(); ++i)
       refuse_if(
-          beads[i] != beads[i - 1] + 1, C::name.view(),
-          "beads " + std::to_string(beads[i - 1]) + ", " + std::to_string(beads[i]) +
-              " do not follow each other, which the direct banded solver needs; number the beads along the thread, or take Xpbd<8>");
-    for (auto const& other : of<C>().beads)
-      refuse_if(other[0] == beads[0], C::name.view(),
-                "given twice at bead " + std::to_string(beads[0]) +
-                    "; the direct banded solver takes one per bead");
+          is_frame[i] == is_frame[i - 1] && slots[i] != slots[i - 1] + 1, C::name.view(),
+          (is_frame[i] ? "frames " : "beads ") + std::to_string(slots[i - 1]) + ", " +
+              std::to_string(slots[i]) +
+              " do not follow each other, which a direct solver needs; number them along the thread, or take Xpbd<8>");
+    for (auto const& other : of<C>().slots)
+      refuse_if(other[0] == slots[0], C::name.view(),
+                std::string("given twice at ") + (is_frame[0] ? "frame " : "bead ") +
+                    std::to_string(slots[0]) + "; a direct solver takes one there");
+  }
+
+  template <class Store> void write_frames(Store& store, std::int64_t env) const {
+    using T = typename Store::Scalar;
+    auto& table = store.template table<Frames>();
+    table.set_live(env, frames());
+    for (std::int64_t f = 0; f < frames(); ++f) {
+      auto const& one = frames_[static_cast<std::size_t>(f)];
+      table.template set<frame::Orientation>(env, f, cast<T>(one.orientation));
+      table.template set<frame::AngularVelocity>(env, f, cast<T>(one.angular_velocity));
+      table.template set<frame::InverseInertia>(env, f, T(one.inverse_inertia));
+      table.template set<frame::Previous>(env, f, cast<T>(one.orientation));
+    }
+  }
+
+  // The instances of C with frames numbered after the beads.
+  template <class C> auto numbered() const {
+    auto all = of<C>().slots;
+    for (auto& one : all)
+      for (std::size_t i = 0; i < one.size(); ++i)
+        if (detail::is_frame_slot<C>[i]) one[i] += beads();
+    return all;
+  }
+  // The beads, or the frames, of an instance, if it has any.
+  template <class C, class Index, bool frames, class Table>
+  static void write_index(Table& table, std::int64_t env, std::int64_t slot,
+                          typename detail::InstanceList<C>::Slots const& slots) {
+    if constexpr (contains<typename instance<C>::List, Index>) {
+      Vec<std::int64_t, Index::components> index{};
+      int n = 0;
+      for (std::size_t i = 0; i < slots.size(); ++i)
+        if (detail::is_frame_slot<C>[i] == frames) index[n++] = slots[i];
+      if constexpr (Index::components == 1)
+        table.template set<Index>(env, slot, index[0]);
+      else
+        table.template set<Index>(env, slot, index);
+    }
   }
 
   template <class C, class Store>
@@ -144,9 +229,9 @@ template <class Body> class RodAssembly {
     using T = typename Store::Scalar;
     using Its = instance<C>;
     auto const& list = of<C>();
-    auto colours = colour_greedily(list.beads, beads());
+    auto colours = colour_greedily(numbered<C>(), beads() + frames());
     if (visit == VisitOrder::along) std::iota(colours.begin(), colours.end(), 0);
-    std::vector<std::size_t> order(list.beads.size());
+    std::vector<std::size_t> order(list.slots.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return colours[a] < colours[b]; });
@@ -158,13 +243,8 @@ template <class Body> class RodAssembly {
       auto const s = static_cast<std::int64_t>(slot);
       if (slot + 1 < order.size() && colours[from] != colours[order[slot + 1]]) end = s + 1;
       table.template set<typename Its::ColourEnd>(env, s, end);
-      typename Its::Index::Shape::template Value<T> index{};
-      if constexpr (Its::Index::components == 1)
-        index = list.beads[from][0];
-      else
-        for (std::size_t i = 0; i < list.beads[from].size(); ++i)
-          index[static_cast<int>(i)] = list.beads[from][i];
-      table.template set<typename Its::Index>(env, s, index);
+      write_index<C, typename Its::Index, false>(table, env, s, list.slots[from]);
+      write_index<C, typename Its::FrameIndex, true>(table, env, s, list.slots[from]);
       if constexpr (parameter_count < C >> 0) {
         auto const* numbers = reinterpret_cast<double const*>(&list.parameters[from]);
         value_t<typename Its::Parameters, T> flat{};
@@ -178,6 +258,12 @@ template <class Body> class RodAssembly {
     }
   }
 
+  struct Frame {
+    Quaternion<double> orientation;
+    Vec3<double> angular_velocity;
+    double inverse_inertia;
+  };
+  std::vector<Frame> frames_;
   std::vector<Vec3<double>> positions_, velocities_;
   std::vector<double> inverse_masses_;
   AllOf<typename Set::List> all_;

@@ -11,11 +11,21 @@ struct NoConstraints {
   using Role = role::ConstraintSet;
   using List = TypeList<>;
   using InstanceFields = Fields<>;
+  static constexpr bool has_frames = false;
 };
 
-template <class List> inline constexpr bool all_along_chain = true;
-template <class... Cs>
-inline constexpr bool all_along_chain<TypeList<Cs...>> = (is_along_chain<Cs> && ...);
+// Whether solver S takes constraint C: a direct solver says so by `takes<C>`, the others take any.
+template <class S, class C>
+inline constexpr bool is_taken = [] {
+  if constexpr (requires { S::template takes<C>; }) {
+    return S::template takes<C>;
+  } else {
+    return true;
+  }
+}();
+template <class S, class List> inline constexpr bool takes_all = true;
+template <class S, class... Cs>
+inline constexpr bool takes_all<S, TypeList<Cs...>> = (is_taken<S, Cs> && ...);
 
 template <class S>
 inline constexpr bool needs_chain = [] {
@@ -56,8 +66,8 @@ template <class... Ps> struct PbdPolicies {
       SolverPolicy<Solver>,
       "mpmpbd SolverPolicy: give a name, `static constexpr int iterations` of at least 1, ScratchFields<Set> and `iterate<Set>(team, env, tick, list)`");
   static_assert(
-      !needs_chain<Solver> || all_along_chain<typename Set::List>,
-      "mpmpbd Pbd<...>: DirectBanded solves constraints between neighbours of a thread (Distance, Bend); write Xpbd<8> or Jacobi<20> for the others, or hold a bead by an inverse mass of 0");
+      takes_all<Solver, typename Set::List>,
+      "mpmpbd Pbd<...>: DirectBanded solves constraints between neighbours of a thread (Distance, Bend), DirectFrames those of its frames (StretchShear, BendTwist); write Xpbd<8> or Jacobi<20> for the others, or hold a bead by an inverse mass of 0");
 };
 
 template <class Out, class List, class Taken> struct Without { using type = Out; };
@@ -67,12 +77,11 @@ struct Without<TypeList<Os...>, TypeList<C, Cs...>, TypeList<Ts...>>
           std::conditional_t<(std::is_same_v<C, Ts> || ...), TypeList<Os...>, TypeList<Os..., C>>,
           TypeList<Cs...>, TypeList<Ts...>> {};
 
-template <class Solver, class Set,
-          bool = needs_chain<Solver> && !all_along_chain<typename Set::List>>
+template <class Solver, class Set, bool = takes_all<Solver, typename Set::List>>
 struct SolverScratch {
   using type = typename Solver::template ScratchFields<Set>;
 };
-template <class Solver, class Set> struct SolverScratch<Solver, Set, true> {
+template <class Solver, class Set> struct SolverScratch<Solver, Set, false> {
   using type = Fields<>;
 };
 }  // namespace detail
@@ -97,15 +106,22 @@ template <class... Policies> struct Pbd {
   // Substeps that the solver wants per step of a scene that leaves it the choice.
   static constexpr int substeps = detail::substeps_of<Solver>;
 
-  using ScratchFields =
-      union_t<Fields<bead::Previous>, typename detail::SolverScratch<Solver, Set>::type>;
-  using Reads = union_t<Fields<bead::Position, bead::Velocity, bead::InverseMass>,
+  // Whether segments have frames: only when a constraint acts on them.
+  static constexpr bool has_frames = Set::has_frames;
+
+  using ScratchFields = union_t<Fields<bead::Previous>,
+                                std::conditional_t<has_frames, Fields<frame::Previous>, Fields<>>,
+                                typename detail::SolverScratch<Solver, Set>::type>;
+  using MovedFields = union_t<
+      Fields<bead::Position, bead::Velocity>,
+      std::conditional_t<has_frames, Fields<frame::Orientation, frame::AngularVelocity>, Fields<>>>;
+  using Reads = union_t<MovedFields, Fields<bead::InverseMass>,
+                        std::conditional_t<has_frames, Fields<frame::InverseInertia>, Fields<>>,
                         typename Set::InstanceFields>;
-  using Writes =
-      union_t<Fields<bead::Position, bead::Velocity>, typename Set::InstanceFields, ScratchFields>;
+  using Writes = union_t<MovedFields, typename Set::InstanceFields, ScratchFields>;
   using AllFields = union_t<Reads, Writes>;
 
-  // x0 = x, x += dt v, all multipliers 0.
+  // x0 = x, x += dt v, all multipliers 0; frames turn by dt omega.
   template <class Team, class Env, class T>
   MPMPBD_HD static std::uint32_t predict(Team const& team, Env const& env, Tick<T> const& tick) {
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
@@ -113,6 +129,14 @@ template <class... Policies> struct Pbd {
       env.template set<bead::Previous>(b, x);
       env.template set<bead::Position>(b, x + tick.dt * env.template get<bead::Velocity>(b));
     });
+    if constexpr (has_frames)
+      detail::each(team, env.template live<Frames>(), [&](std::int64_t f) {
+        auto const q = env.template get<frame::Orientation>(f);
+        env.template set<frame::Previous>(f, q);
+        auto const turn = tick.dt * env.template get<frame::AngularVelocity>(f);
+        if (dot(turn, turn) > T(0))  // one at rest keeps its bits
+          env.template set<frame::Orientation>(f, quaternion::turned(q, turn));
+      });
     forget(team, env, typename Set::List{});
     team.sync();
     return 0;
@@ -135,11 +159,14 @@ template <class... Policies> struct Pbd {
     return faults;
   }
 
-  // v = (x - x0)/dt of the beads that are free to move.
+  // v = (x - x0)/dt of the beads that are free to move, and of frames the turn per dt.
   template <class Team, class Env, class T>
   MPMPBD_HD static std::uint32_t finish(Team const& team, Env const& env, Tick<T> const& tick) {
     detail::each(team, env.template live<Beads>(),
                  [&](std::int64_t b) { set_velocity(env, b, tick); });
+    if constexpr (has_frames)
+      detail::each(team, env.template live<Frames>(),
+                   [&](std::int64_t f) { set_angular_velocity(env, f, tick); });
     team.sync();
     return 0;
   }
@@ -148,6 +175,9 @@ template <class... Policies> struct Pbd {
   template <class Team, class Env, class T>
   MPMPBD_HD static std::uint32_t finish_as_velocity(Team const& team, Env const& env,
                                                     Tick<T> const& tick) {
+    static_assert(
+        !has_frames,
+        "mpmpbd Pbd<...>: a coupling moves beads, not the frames of segments (StretchShear, BendTwist); give a thread that is coupled Distance and Bend");
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       set_velocity(env, b, tick);
       env.template set<bead::Position>(b, env.template get<bead::Previous>(b));
@@ -178,9 +208,9 @@ template <class... Policies> struct Pbd {
     T worst = T(0);
     for (std::int64_t i = 0; i < env.template live<Instances<C>>(); ++i) {
       auto const one = detail::load_instance<C>(env, i);
+      auto const sum = one.at.value + detail::scaled(one.compliance, one.multiplier);
       for (int a = 0; a < C::dimension; ++a) {
-        T const r = one.at.value[a] + one.compliance * one.multiplier[a];
-        worst = max(worst, C::kind == ConstraintKind::inequality ? -r : abs(r));
+        worst = max(worst, C::kind == ConstraintKind::inequality ? -sum[a] : abs(sum[a]));
       }
     }
     return worst;
@@ -189,7 +219,7 @@ template <class... Policies> struct Pbd {
  private:
   template <class... Cs> MPMPBD_HD static constexpr void check_solvable(TypeList<Cs...>) {
     static_assert(
-        (acts_on_points_only<Cs> && ... && true),
+        (acts_on_rod_only<Cs> && ... && true),
         "mpmpbd Pbd<...>: a constraint acts on the needle or on tissue, which the rod's solver cannot move; add a coupling that takes it, for example Coupling<Embedded>");
   }
   template <class Team, class Env, class... Cs>
@@ -208,6 +238,14 @@ template <class... Policies> struct Pbd {
     if (!(env.template get<bead::InverseMass>(b) > T(0))) return;
     auto const moved = env.template get<bead::Position>(b) - env.template get<bead::Previous>(b);
     env.template set<bead::Velocity>(b, T(1) / tick.dt * moved);
+  }
+  template <class Env, class T>
+  MPMPBD_HD static void set_angular_velocity(Env const& env, std::int64_t f, Tick<T> const& tick) {
+    if (!(env.template get<frame::InverseInertia>(f) > T(0))) return;
+    auto const turn =
+        quaternion::product(env.template get<frame::Orientation>(f),
+                            quaternion::conjugate(env.template get<frame::Previous>(f)));
+    env.template set<frame::AngularVelocity>(f, T(1) / tick.dt * quaternion::rotation_vector(turn));
   }
 };
 

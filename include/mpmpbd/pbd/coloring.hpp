@@ -1,4 +1,4 @@
-// Colours for Gauss-Seidel: instances of one colour share no bead. Host, once, when a rod is made.
+// Colours for Gauss-Seidel: instances of one colour share no bead and no frame. Host, once, when a rod is made.
 #pragma once
 
 #include <array>
@@ -8,7 +8,8 @@
 namespace mpmpbd {
 
 // Greedy in the given order: every instance gets the lowest colour that none of its beads has yet, so the
-// result depends on the instances alone. Along a thread, Distance needs 2 colours and Bend 3.
+// result depends on the instances alone. Along a thread, Distance needs 2 colours and Bend 3. Frames are numbered
+// after the beads.
 template <std::size_t points>
 std::vector<int> colour_greedily(std::vector<std::array<std::int64_t, points>> const& instances,
                                  std::int64_t beads) {

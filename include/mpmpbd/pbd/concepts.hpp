@@ -21,8 +21,13 @@ template <class C, class T> using Evaluation = EvaluationOf<T, C::dimension, typ
 // How many beads a constraint acts on.
 template <class C>
 inline constexpr int point_count = count_unknowns<unknown::Point, typename C::Unknowns>;
-// Whether it acts on beads alone, so that a rod's own solver can solve it.
+// How many frames of segments.
+template <class C>
+inline constexpr int frame_count = count_unknowns<unknown::Orientation, typename C::Unknowns>;
+// Whether it acts on beads alone, or on beads and frames, so that a rod's own solver can solve it.
 template <class C> inline constexpr bool acts_on_points_only = point_count<C> == C::Unknowns::size;
+template <class C>
+inline constexpr bool acts_on_rod_only = point_count<C> + frame_count<C> == C::Unknowns::size;
 
 // Optional: a constraint between k beads that follow each other on a thread (for direct solvers).
 template <class C>
@@ -53,6 +58,16 @@ inline constexpr bool is_frame_invariant = [] {
   }
 }();
 
+// Optional: the numbers of C are components along axes that turn with its unknowns.
+template <class C>
+inline constexpr bool has_own_axes = [] {
+  if constexpr (requires { C::own_axes; }) {
+    return C::own_axes;
+  } else {
+    return false;
+  }
+}();
+
 template <class C> concept NamesUnknowns = requires {
   { C::Unknowns::size } -> std::convertible_to<int>;
 }
@@ -72,13 +87,20 @@ concept EvaluatesConstraint = requires(ValuesOf<C, float> const& x,
 &&requires(ValuesOf<C, double> const& x, parameters_t<C, double> const& k) {
   { C::evaluate(x, k) } -> std::same_as<Evaluation<C, double>>;
 };
+// What C::compliance gives: a T, or a Vec<T, dimension>.
+template <class C, class T>
+using compliance_t = decltype(C::compliance(std::declval<parameters_t<C, T> const&>()));
+template <class C, class A>
+concept IsCompliance = std::same_as<A, float> ||
+    (C::dimension > 1 && std::same_as<A, Vec<float, C::dimension>>);
 template <class C> concept HasCompliance = requires(parameters_t<C, float> const& k) {
-  { C::compliance(k) } -> std::same_as<float>;
+  requires IsCompliance<C, decltype(C::compliance(k))>;
 };
 
 // Static functions, float and double, host and device:
 //   evaluate(x, k) -> Evaluation<C, T>: value C and one gradient block per unknown, finite at any x;
 //   compliance(k) -> T: alpha in energy C^2 / (2 alpha), 0 = rigid. [m^2/J] for lengths, [rad^2/J] for angles.
+//   A C of several numbers may give each its own, as Vec<T, dimension>.
 template <class C>
 concept Constraint = HasRole<C, role::Constraint> && HasName<C> && NamesUnknowns<C> &&
     HasDimension<C> && HasKind<C> && EvaluatesConstraint<C> && HasCompliance<C>;

@@ -17,6 +17,7 @@ template <class... Cs> struct Constraints {
   using List = TypeList<Cs...>;
   using InstanceFields = union_t<typename instance<Cs>::List...>;
   template <class C> static constexpr bool has = (std::is_same_v<C, Cs> || ...);
+  static constexpr bool has_frames = ((frame_count<Cs> > 0) || ...);
 };
 
 }  // namespace mpmpbd

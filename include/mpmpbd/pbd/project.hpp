@@ -8,36 +8,74 @@ namespace mpmpbd::detail {
 
 // One instance with everything that its correction needs.
 template <class C, class T> struct Loaded {
-  static constexpr int points = point_count<C>;
-  Vec<std::int64_t, points> beads;
-  Vec<T, points> weights;  // inverse masses [1/kg]
+  static constexpr int unknowns = C::Unknowns::size;
+  Vec<std::int64_t, unknowns> slots;  // where its beads and frames are
+  Vec<T, unknowns> weights;           // inverse masses [1/kg] and inertias [1/(kg m^2)]
   ValuesOf<C, T> x;
   parameters_t<C, T> k;
   Evaluation<C, T> at;
-  T compliance;
+  compliance_t<C, T> compliance;  // one number, or one for each of C
   Vec<T, C::dimension> multiplier;
 };
 
-template <class C, class Env, std::size_t... Is>
-MPMPBD_HD auto load_instance(Env const& env, std::int64_t slot, std::index_sequence<Is...>) {
+// Calls f(kind, index) for every unknown that a rod's solver moves: a tag, and its number as a type.
+template <class U, int I, class Function> MPMPBD_HD void call_if_kept(Function&& f) {
+  if constexpr (is_kept<U>) f(U{}, std::integral_constant<int, I>{});
+}
+template <class Function, class... Us, std::size_t... Is>
+MPMPBD_HD void for_each_kept(Function&& f, TypeList<Us...>, std::index_sequence<Is...>) {
+  (call_if_kept<Us, static_cast<int>(Is)>(f), ...);
+}
+template <class C, class Function> MPMPBD_HD void for_each_kept(Function&& f) {
+  for_each_kept(f, typename C::Unknowns{},
+                std::make_index_sequence<static_cast<std::size_t>(C::Unknowns::size)>{});
+}
+
+// The field that tells which beads, or which frames, an instance of C acts on.
+template <class C, class Unknown>
+using index_t = std::conditional_t<std::is_same_v<Unknown, unknown::Point>,
+                                   typename instance<C>::Index, typename instance<C>::FrameIndex>;
+
+// The slots of an instance's beads and frames, in the order of its unknowns.
+template <class C, class Env> MPMPBD_HD auto slots_of(Env const& env, std::int64_t slot) {
+  Vec<std::int64_t, C::Unknowns::size> slots{};
+  int b = 0, f = 0;
+  for_each_kept<C>([&]<class U, class I>(U, I) {
+    int& n = std::is_same_v<U, unknown::Point> ? b : f;
+    slots[I::value] = get_vector<index_t<C, U>>(env, slot)[n++];
+  });
+  return slots;
+}
+
+template <class C, class Env> MPMPBD_HD auto load_instance(Env const& env, std::int64_t slot) {
   using T = typename Env::Scalar;
   Loaded<C, T> one;
-  one.beads = get_vector<typename instance<C>::Index>(env, slot);
-  ((get<static_cast<int>(Is)>(one.x) =
-        env.template get<bead::Position>(one.beads[static_cast<int>(Is)])),
-   ...);
-  ((one.weights[static_cast<int>(Is)] =
-        env.template get<bead::InverseMass>(one.beads[static_cast<int>(Is)])),
-   ...);
+  one.slots = slots_of<C>(env, slot);
+  one.weights = {};
+  for_each_kept<C>([&]<class U, class I>(U, I) {
+    get<I::value>(one.x) = env.template get<typename Kept<U>::Value>(one.slots[I::value]);
+    one.weights[I::value] = env.template get<typename Kept<U>::Mobility>(one.slots[I::value]);
+  });
   one.k = load_parameters<C>(env, slot);
   one.at = C::evaluate(one.x, one.k);
   one.compliance = C::compliance(one.k);
   one.multiplier = get_vector<typename instance<C>::Multiplier>(env, slot);
   return one;
 }
-template <class C, class Env> MPMPBD_HD auto load_instance(Env const& env, std::int64_t slot) {
-  return load_instance<C>(env, slot,
-                          std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{});
+
+// A compliance as a diagonal, and times a multiplier: one number for all of C, or one for each.
+template <int n, Real T> MPMPBD_HD Mat<T, n, n> diagonal(T a) {
+  return a * Mat<T, n, n>::identity();
+}
+template <int n, class T> MPMPBD_HD Mat<T, n, n> diagonal(Vec<T, n> const& a) {
+  Mat<T, n, n> m{};
+  for (int i = 0; i < n; ++i) m(i, i) = a[i];
+  return m;
+}
+template <class T, int n> MPMPBD_HD Vec<T, n> scaled(T a, Vec<T, n> const& f) { return a * f; }
+template <class T, int n> MPMPBD_HD Vec<T, n> scaled(Vec<T, n> const& a, Vec<T, n> f) {
+  for (int i = 0; i < n; ++i) f[i] *= a[i];
+  return f;
 }
 
 // Solves K d = r for a symmetric positive K (L D L^T). A direction without stiffness gets 0: nothing
@@ -67,45 +105,42 @@ template <class T, int n> MPMPBD_HD Vec<T, n> solve_small(Mat<T, n, n> K, Vec<T,
   return r;
 }
 
-template <class C, class T, std::size_t... Is>
-MPMPBD_HD void add_stiffness(Mat<T, C::dimension, C::dimension>& K, Loaded<C, T> const& one, T dt2,
-                             std::index_sequence<Is...>) {
-  ((K +=
-    (dt2 * one.weights[static_cast<int>(Is)]) *
-    (gradient<static_cast<int>(Is)>(one.at) * transpose(gradient<static_cast<int>(Is)>(one.at)))),
-   ...);
-}
-
 // The change of the multiplier by one projection. XPBD (Macklin et al. 2016, eq. 18) with its
 // lambda = dt^2 f, numerator and denominator times dt^2:
 //   df = -(C + alpha f) / (dt^2 sum w grad grad^T + alpha),    x += dt^2 w grad^T df.
 template <class C, class T>
 MPMPBD_HD Vec<T, C::dimension> correction(Loaded<C, T> const& one, T dt2) {
-  using Points = std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>;
-  auto K = one.compliance * Mat<T, C::dimension, C::dimension>::identity();
-  add_stiffness<C>(K, one, dt2, Points{});
-  auto d = solve_small(K, -(one.at.value + one.compliance * one.multiplier));
+  auto K = diagonal<C::dimension>(one.compliance);
+  for_each_kept<C>([&]<class U, class I>(U, I) {
+    auto const& G = gradient<I::value>(one.at);
+    K += (dt2 * one.weights[I::value]) * (G * transpose(G));
+  });
+  auto d = solve_small(K, -(one.at.value + scaled(one.compliance, one.multiplier)));
   if constexpr (C::kind == ConstraintKind::inequality)
     for (int i = 0; i < C::dimension; ++i) d[i] = max(d[i], -one.multiplier[i]);
   return d;
 }
 
-// Calls f(bead, displacement) for every bead of an instance that can move.
-template <class C, class T, class Function, std::size_t... Is>
-MPMPBD_HD void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimension> const& d, T dt2,
-                                     Function&& f, std::index_sequence<Is...>) {
-  ((one.weights[static_cast<int>(Is)] > T(0)
-        ? f(one.beads[static_cast<int>(Is)],
-            (dt2 * one.weights[static_cast<int>(Is)]) *
-                (transpose(gradient<static_cast<int>(Is)>(one.at)) * d))
-        : void()),
-   ...);
-}
+// Calls f(kind, slot, displacement) for every bead and frame of an instance that can move: [m] or a rotation
+// vector [rad].
 template <class C, class T, class Function>
 MPMPBD_HD void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimension> const& d, T dt2,
                                      Function&& f) {
-  for_each_displacement<C>(one, d, dt2, f,
-                           std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{});
+  for_each_kept<C>([&]<class U, class I>(U kind, I) {
+    T const w = one.weights[I::value];
+    if (w > T(0))
+      f(kind, one.slots[I::value], (dt2 * w) * (transpose(gradient<I::value>(one.at)) * d));
+  });
+}
+
+template <class Env, class T>
+MPMPBD_HD void displace(Env const& env, unknown::Point, std::int64_t b, Vec3<T> const& by) {
+  env.template set<bead::Position>(b, env.template get<bead::Position>(b) + by);
+}
+template <class Env, class T>
+MPMPBD_HD void displace(Env const& env, unknown::Orientation, std::int64_t f, Vec3<T> const& turn) {
+  env.template set<frame::Orientation>(
+      f, quaternion::turned(env.template get<frame::Orientation>(f), turn));
 }
 
 // A team counts in int: one environment has fewer slots than that.
@@ -115,7 +150,7 @@ MPMPBD_HD void each(Team const& team, std::int64_t count, Function const& f) {
 }
 
 // Calls f(slot) for every instance of C, colour after colour: within a colour in any order, because
-// no two of its instances share a bead.
+// no two of its instances share a bead or a frame.
 template <class C, class Team, class Env, class Function>
 MPMPBD_HD void for_each_colour(Team const& team, Env const& env, Function const& f) {
   std::int64_t const count = env.template live<Instances<C>>();

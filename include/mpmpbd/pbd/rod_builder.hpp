@@ -6,7 +6,9 @@
 
 #include <mpmpbd/pbd/assembly.hpp>
 #include <mpmpbd/pbd/constraints/bend.hpp>
+#include <mpmpbd/pbd/constraints/bend_twist.hpp>
 #include <mpmpbd/pbd/constraints/distance.hpp>
+#include <mpmpbd/pbd/constraints/stretch_shear.hpp>
 #include <mpmpbd/pbd/rod_material.hpp>
 
 namespace mpmpbd {
@@ -28,6 +30,24 @@ inline void refuse_thread(std::string const& sentence) {
   throw std::invalid_argument("mpmpbd add_thread: " + sentence);
 }
 inline double chord(Vec3<double> const& a, Vec3<double> const& b) { return norm(b - a); }
+
+// The lengths between points [m]; refuses what has none.
+inline std::vector<double> segment_lengths(std::span<Vec3<double> const> points) {
+  if (points.size() < 2)
+    refuse_thread("beads = " + std::to_string(points.size()) + "; give at least 2");
+  std::vector<double> length;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    length.push_back(chord(points[i - 1], points[i]));
+    if (!(length.back() > 0.0) || !std::isfinite(length.back()))
+      refuse_thread("length of segment " + std::to_string(i - 1) + " = " +
+                    std::to_string(length.back()) + " m; give a positive length");
+  }
+  return length;
+}
+// The length that bead i stands for: half of each adjacent segment.
+inline double share_of(std::vector<double> const& length, std::size_t i) {
+  return 0.5 * ((i > 0 ? length[i - 1] : 0.0) + (i < length.size() ? length[i] : 0.0));
+}
 }  // namespace detail
 
 // n points at equal distance along a polyline [m], ends included. Refuses fewer than 2 points and
@@ -64,17 +84,8 @@ ThreadRange add_thread(RodAssembly<Body>& rod, std::span<Vec3<double> const> poi
                        RodMaterial const& material, RestShape rest = RestShape::straight) {
   material.check();
   auto const n = points.size();
-  if (n < 2) detail::refuse_thread("beads = " + std::to_string(n) + "; give at least 2");
-  std::vector<double> length;
-  for (std::size_t i = 1; i < n; ++i) {
-    length.push_back(detail::chord(points[i - 1], points[i]));
-    if (!(length.back() > 0.0) || !std::isfinite(length.back()))
-      detail::refuse_thread("length of segment " + std::to_string(i - 1) + " = " +
-                            std::to_string(length.back()) + " m; give a positive length");
-  }
-  auto share = [&](std::size_t i) {
-    return 0.5 * ((i > 0 ? length[i - 1] : 0.0) + (i + 1 < n ? length[i] : 0.0));
-  };
+  auto const length = detail::segment_lengths(points);
+  auto share = [&](std::size_t i) { return detail::share_of(length, i); };
 
   std::int64_t const first = rod.beads();
   auto number = [&](std::size_t i) { return first + static_cast<std::int64_t>(i); };
@@ -102,6 +113,77 @@ ThreadRange add_thread(RodAssembly<Body>& rod, std::span<Vec3<double> const> lin
   material.check();
   auto const points = along(line, beads);
   return add_thread(rod, std::span<Vec3<double> const>(points), material, rest);
+}
+
+// Frames along a polyline: d3 of each along its segment, carried from one to the next without twist, d1 of the first
+// one next to `up` (any direction across it when `up` is zero).
+inline std::vector<Quaternion<double>> frames_along(std::span<Vec3<double> const> points,
+                                                    Vec3<double> const& up = {}) {
+  std::vector<Quaternion<double>> frames;
+  Vec3<double> before{}, d1{};
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    auto const d3 = direction(points[i] - points[i - 1]);
+    if (i == 1) {
+      d1 = direction(up - dot(up, d3) * d3);
+      if (!(norm(d1) > 0.5)) d1 = any_across(d3);
+    } else {  // by the shortest rotation from the last direction to this one; a fold turns about d1
+      double const c = 1 + dot(before, d3);
+      if (c > 1e-12) d1 -= dot(d1, d3) / c * (before + d3);
+      d1 = direction(d1 - dot(d1, d3) * d3);
+    }
+    frames.push_back(quaternion::from_axes(d1, cross(d3, d1), d3));
+    before = d3;
+  }
+  return frames;
+}
+
+// The beads and the frames of a thread: segment i has frame first_frame + i.
+struct FramedRange : ThreadRange {
+  std::int64_t first_frame;
+};
+
+// Adds a thread whose segments have frames: beads as add_thread does, the given frames, StretchShear per segment and
+// BendTwist per joint with the compliances of the material. `as_placed` keeps bends and twists of the start.
+template <class Body>
+FramedRange add_framed_thread(RodAssembly<Body>& rod, std::span<Vec3<double> const> points,
+                              std::span<Quaternion<double> const> frames,
+                              RodMaterial const& material, RestShape rest = RestShape::straight) {
+  material.check();
+  auto const length = detail::segment_lengths(points);
+  if (frames.size() != length.size())
+    detail::refuse_thread("frames = " + std::to_string(frames.size()) + " for " +
+                          std::to_string(length.size()) + " segments; give one for each");
+  std::int64_t const bead = rod.beads(), frame = rod.frames();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    rod.add_bead(points[i], material.line_density() * detail::share_of(length, i));
+  for (std::size_t i = 0; i < length.size(); ++i) {
+    auto const s = static_cast<std::int64_t>(i);
+    rod.add_frame(frames[i], material.axial_inertia(length[i]));
+    rod.template add<StretchShear>(
+        {bead + s, bead + s + 1, frame + s},
+        {length[i], material.stretch_compliance(length[i]), material.shear_compliance(length[i])});
+    if (i == 0) continue;
+    double const l = detail::share_of(length, i);
+    BendTwist::Parameters<double> k{0, 0, 0, material.bend_compliance(l),
+                                    material.twist_compliance(l)};
+    if (rest == RestShape::as_placed) {
+      ValuesOf<BendTwist, double> x;
+      get<0>(x) = frames[i - 1], get<1>(x) = frames[i];
+      auto const now = BendTwist::evaluate(x, k).value;
+      k.rest_bend_1 = now[0], k.rest_bend_2 = now[1], k.rest_twist = now[2];
+    }
+    rod.template add<BendTwist>({frame + s - 1, frame + s}, k);
+  }
+  return {{bead, rod.beads()}, frame};
+}
+
+// The same with frames that carry no twist.
+template <class Body>
+FramedRange add_framed_thread(RodAssembly<Body>& rod, std::span<Vec3<double> const> points,
+                              RodMaterial const& material, RestShape rest = RestShape::straight) {
+  auto const frames = frames_along(points);
+  return add_framed_thread(rod, points, std::span<Quaternion<double> const>(frames), material,
+                           rest);
 }
 
 }  // namespace mpmpbd

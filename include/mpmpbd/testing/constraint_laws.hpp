@@ -87,7 +87,11 @@ template <class C, class T> class ConstraintProbe {
     return result(C::evaluate(in<T>(x), cast_parameters<C, T, double>(k_)));
   }
   Result evaluate_in_double(X const& x) const { return result(C::evaluate(x, k_)); }
-  double compliance() const { return double(C::compliance(cast_parameters<C, T, double>(k_))); }
+  Vec<double, rows> compliance() const {
+    Vec<double, rows> ones{};
+    for (int i = 0; i < rows; ++i) ones[i] = 1;
+    return mpmpbd::detail::scaled(C::compliance(k_), ones);
+  }
 
   // Columns that are lengths, counted in `scale`, so that entries compare with those of angles.
   double unit(int column) const { return is_rotation(column) ? 1.0 : scale_; }
@@ -196,9 +200,9 @@ template <class C, class T> void balance_laws(ConstraintProbe<C, T> const& probe
         }
       });
       force = max(force, norm(sum) * probe.scale() / size);
-      // The moments of a vector C turn with it: dC by a rotation w of everything is w x C.
+      // The moments of a vector C in world axes turn with it: dC by a rotation w of everything is w x C.
       Vec3<double> own{};
-      if constexpr (C::dimension == 3) {
+      if constexpr (C::dimension == 3 && !has_own_axes<C>) {
         Vec3<double> e{};
         e[i] = 1;
         own = cross(Vec3<double>{{r.value[0], r.value[1], r.value[2]}}, e);
@@ -211,7 +215,7 @@ template <class C, class T> void balance_laws(ConstraintProbe<C, T> const& probe
   laws.push_back({"moments of the gradients sum to zero, relative", moment, limit});
 }
 
-// C does not change when everything is moved and turned together (the length of C, if it is a vector).
+// C does not change when everything is moved and turned together (the length of C, if it is a vector in world axes).
 template <class C, class T> Law frame_law(ConstraintProbe<C, T> const& probe) {
   Samples samples(13);
   double worst = 0;
@@ -232,8 +236,8 @@ template <class C, class T> Law frame_law(ConstraintProbe<C, T> const& probe) {
       }
     });
     auto const a = probe.evaluate(x), b = probe.evaluate(y);
-    double const change =
-        C::dimension == 1 ? abs(a.value[0] - b.value[0]) : abs(norm(a.value) - norm(b.value));
+    double const change = C::dimension == 1 || has_own_axes<C> ? norm(a.value - b.value)
+                                                               : abs(norm(a.value) - norm(b.value));
     worst = max(worst, change / probe.size(a));
   }
   return {"C is the same after a rigid motion, relative", worst, sizeof(T) == 8 ? 1e-12 : 2e-5};
@@ -256,6 +260,15 @@ template <class C, class T> Law projection_law(ConstraintProbe<C, T> const& prob
   return {"|C| after one projection / before", worst, 1.0 - 1e-9};
 }
 
+// Frames that are equal, half a turn apart across and along, and without length; else as drawn.
+inline Vec<double, 4> degenerate_frame(int shape, int number, Vec<double, 4> const& drawn) {
+  if (shape == 3) return {};
+  if (shape > 3) return drawn;
+  Vec<double, 4> q{};
+  q[number % 2 == 0 || shape == 0 ? 0 : 2 * shape - 1] = 1;
+  return q;
+}
+
 // C and its gradients stay finite where geometry loses its meaning, and so does a projection.
 template <class C, class T> Law finite_law(ConstraintProbe<C, T> const& probe) {
   Samples samples(15);
@@ -272,9 +285,10 @@ template <class C, class T> Law finite_law(ConstraintProbe<C, T> const& probe) {
             vec(shape < 7 ? along[shape] : 0.0, shape == 5 && I == 1 ? 1e-9 : 0.0, 0.0);
         if constexpr (std::is_same_v<U, unknown::RigidBody>)
           get<I>(x).position = at;
-        else if constexpr (!std::is_same_v<U, unknown::Orientation>) {
-          if (shape < 6) get<I>(x) = at;
-        }
+        else if constexpr (std::is_same_v<U, unknown::Orientation>)
+          get<I>(x) = degenerate_frame(shape, I, get<I>(x));
+        else if (shape < 6)
+          get<I>(x) = at;
       });
       auto const r = probe.evaluate(x);
       if (!is_finite(r.value) || !is_finite(r.gradient)) ++lost;
@@ -284,47 +298,52 @@ template <class C, class T> Law finite_law(ConstraintProbe<C, T> const& probe) {
   return {"degenerate configurations that are not finite", double(lost), 0.0};
 }
 
-// The laws that need a solver: C alone, on its beads, solved by XPBD.
+// The laws that need a solver: C alone, on its beads and frames, solved by XPBD.
 template <class C, class T> class ConstraintBench {
  public:
   template <int iterations> struct Body : Pbd<Constraints<C>, Xpbd<iterations>> {};
-  static constexpr std::size_t points = static_cast<std::size_t>(point_count<C>);
+  static constexpr std::size_t size = static_cast<std::size_t>(C::Unknowns::size);
 
   ConstraintBench(ConstraintProbe<C, T> const& probe, parameters_t<C, double> const& k)
       : probe_(probe), k_(k) {}
 
-  // Largest displacement of a bead of inverse mass 0 (any of them, in turn) under one solve.
+  // Largest displacement of a bead or frame that does not yield (any of them, in turn) under one solve.
   Law infinite_mass() const {
     Samples samples(16);
     double moved = 0;
     for (int n = 0; n < 20; ++n) {
-      for (std::size_t held = 0; held < points; ++held) {
-        auto const x = probe_.random(samples);
-        auto run = make<2>(x, held);
-        auto const before = run.position(held);
-        run.advance(T(0.01), [](auto const&, std::size_t) { return Vec3<T>{}; });
-        moved = max(moved, double(norm(run.position(held) - before)));
+      for (std::size_t held = 0; held < size; ++held) {
+        auto run = make<2>(probe_.random(samples), held);
+        auto const before = run.values();
+        run.advance(T(0.01), {});
+        auto const after = run.values();
+        ConstraintProbe<C, T>::for_each_unknown([&]<int I, class U>(int) {
+          if (static_cast<std::size_t>(I) == held)
+            moved = max(moved, double(norm(get<I>(after) - get<I>(before))));
+        });
       }
     }
     return {"displacement of an infinite mass", moved, 0.0};
   }
 
-  // Load s grad C pulls the beads until the constraint holds it: then C = compliance s, for any step and
+  // Load s grad C pulls the unknowns until the constraint holds it: then C = compliance s, for any step and
   // number of iterations. Relative error.
   Law static_stretch() const {
     Samples samples(17);
     double worst = 0;
-    double const a = probe_.compliance();
-    // Of the range of C: one linear step errs by the square of it.
-    double const part = sizeof(T) == 8 ? 1e-8 : 1e-4;
+    auto const compliance = probe_.compliance();
+    double a = compliance[0];
+    for (int i = 1; i < C::dimension; ++i) a = min(a, compliance[i]);
+    // Of the range of C: one linear step errs by the square of it, rounding by a part of it.
+    double const part = sizeof(T) == 8 ? 1e-8 : 1.5e-4;
     for (int n = 0; n < 3; ++n) {
       auto x = probe_.random(samples);
       for (int i = 0; i < 200; ++i) x = onto(x);
       auto const r = probe_.evaluate_in_double(x);
-      double const size = probe_.size(r);
-      if (!(size > 0)) continue;
-      double const stretch = (C::kind == ConstraintKind::inequality ? -part : part) * size;
-      double const omega = size / probe_.scale() / mpmpbd::sqrt(a * mass());
+      double const range = probe_.size(r);
+      if (!(range > 0)) continue;
+      double const stretch = (C::kind == ConstraintKind::inequality ? -part : part) * range;
+      double const omega = range / probe_.scale() / mpmpbd::sqrt(a * mass());
       for (double phase : {0.25, 1.0, 2.0}) {
         worst = max(worst, settle<1>(x, stretch, phase / omega));
         worst = max(worst, settle<9>(x, stretch, phase / omega));
@@ -335,6 +354,7 @@ template <class C, class T> class ConstraintBench {
 
  private:
   static constexpr double mass() { return 0.037; }
+  double inertia() const { return mass() * probe_.scale() * probe_.scale(); }
 
   // Towards C = 0 from either side, so that an inequality starts where it begins to act.
   auto onto(ValuesOf<C, double> const& x) const {
@@ -346,43 +366,55 @@ template <class C, class T> class ConstraintBench {
   template <class B> struct Run {
     using Store = State<T, typename B::AllFields>;
     Store store{1};
+    Vec<std::int64_t, C::Unknowns::size> slots{};
     std::int64_t step = 0;
 
     auto environment() { return access_environment(store, 0, typename Store::Domains{}); }
-    Vec3<T> position(std::size_t b) const {
-      return store.template get<bead::Position>(0, static_cast<std::int64_t>(b));
+    auto values() const {
+      ValuesOf<C, T> x{};
+      mpmpbd::detail::for_each_kept<C>([&]<class U, class I>(U, I) {
+        get<I::value>(x) = store.template get<typename Kept<U>::Value>(0, slots[I::value]);
+      });
+      return x;
     }
-    template <class Force> void advance(T dt, Force const& force) {
-      auto const env = environment();
-      B::step(Solo{}, env, Tick<T>{dt, dt, step++},
+    // One step under the load s along the gradients of C.
+    void advance(T dt, Vec<T, C::dimension> const& s) {
+      B::step(Solo{}, environment(), Tick<T>{dt, dt, step++},
               [&](auto const&, auto const& e, Tick<T> const& tick) {
-                ValuesOf<C, T> x{};
-                ConstraintProbe<C, T>::for_each_unknown(
-                    [&]<int I, class U>(int) { get<I>(x) = e.template get<bead::Position>(I); });
-                auto const at = C::evaluate(x, mpmpbd::load_parameters<C>(e, 0));
-                for (std::size_t b = 0; b < points; ++b) {
-                  auto const slot = static_cast<std::int64_t>(b);
-                  auto const w = e.template get<bead::InverseMass>(slot);
-                  e.template set<bead::Velocity>(
-                      slot, e.template get<bead::Velocity>(slot) + tick.dt * w * force(at, b));
-                }
+                auto const at = C::evaluate(values(), mpmpbd::load_parameters<C>(e, 0));
+                mpmpbd::detail::for_each_kept<C>([&]<class U, class I>(U, I) {
+                  using Rate = std::conditional_t<std::is_same_v<U, unknown::Point>, bead::Velocity,
+                                                  frame::AngularVelocity>;
+                  auto const slot = slots[I::value];
+                  auto const w = e.template get<typename Kept<U>::Mobility>(slot);
+                  e.template set<Rate>(slot,
+                                       e.template get<Rate>(slot) +
+                                           (tick.dt * w) * (transpose(gradient<I::value>(at)) * s));
+                });
               });
     }
   };
 
-  template <int iterations>
-  auto make(ValuesOf<C, double> const& x, std::size_t held = points) const {
+  // `held` is the unknown that does not yield.
+  template <int iterations> auto make(ValuesOf<C, double> const& x, std::size_t held = size) const {
     using B = Body<iterations>;
     RodAssembly<B> rod;
-    ConstraintProbe<C, T>::for_each_unknown(
-        [&]<int I, class U>(int) { rod.add_bead(get<I>(x), mass()); });
-    std::array<std::int64_t, points> beads{};
-    for (std::size_t b = 0; b < points; ++b) beads[b] = static_cast<std::int64_t>(b);
-    rod.template add<C>(beads, k_);
-    if (held < points) rod.prescribe(static_cast<std::int64_t>(held));
     Run<B> run;
+    typename mpmpbd::detail::InstanceList<C>::Slots slots{};
+    mpmpbd::detail::for_each_kept<C>([&]<class U, class I>(U, I) {
+      constexpr auto i = static_cast<std::size_t>(I::value);
+      if constexpr (std::is_same_v<U, unknown::Point>) {
+        slots[i] = rod.add_bead(get<I::value>(x), mass());
+        if (i == held) rod.prescribe(slots[i]);
+      } else {
+        slots[i] = rod.add_frame(get<I::value>(x), inertia());
+        if (i == held) rod.prescribe_frame(slots[i]);
+      }
+      run.slots[I::value] = slots[i];
+    });
+    rod.template add<C>(slots, k_);
     for_each_type(typename Run<B>::Store::Domains{}, [&]<class D>(std::type_identity<D>) {
-      run.store.template table<D>().resize(1, static_cast<std::int64_t>(points));
+      run.store.template table<D>().resize(1, static_cast<std::int64_t>(size));
     });
     rod.write(run.store, 0);
     return run;
@@ -391,26 +423,15 @@ template <class C, class T> class ConstraintBench {
   template <int iterations>
   double settle(ValuesOf<C, double> const& x, double stretch, double dt) const {
     auto run = make<iterations>(x);
+    auto const compliance = probe_.compliance();
     Vec<T, C::dimension> s;
-    for (int i = 0; i < C::dimension; ++i) s[i] = T(stretch / probe_.compliance());
-    for (int n = 0; n < 600; ++n)
-      run.advance(T(dt),
-                  [&](auto const& at, std::size_t b) { return transpose(block(at, b)) * s; });
-    ValuesOf<C, T> now{};
-    ConstraintProbe<C, T>::for_each_unknown(
-        [&]<int I, class U>(int) { get<I>(now) = run.position(static_cast<std::size_t>(I)); });
-    auto const at = C::evaluate(now, cast_parameters<C, T, double>(k_));
+    for (int i = 0; i < C::dimension; ++i) s[i] = T(stretch / compliance[i]);
+    for (int n = 0; n < 600; ++n) run.advance(T(dt), s);
+    auto const at = C::evaluate(run.values(), cast_parameters<C, T, double>(k_));
     double worst = 0;
     for (int i = 0; i < C::dimension; ++i)
       worst = max(worst, abs(double(at.value[i]) - stretch) / abs(stretch));
     return worst;
-  }
-  template <class E> static Mat<T, C::dimension, 3> block(E const& at, std::size_t b) {
-    Mat<T, C::dimension, 3> g{};
-    ConstraintProbe<C, T>::for_each_unknown([&]<int I, class U>(int) {
-      if (static_cast<std::size_t>(I) == b) g = gradient<I>(at);
-    });
-    return g;
   }
 
   ConstraintProbe<C, T> probe_;
@@ -431,7 +452,7 @@ template <class C, class T> Laws constraint_laws(parameters_t<C, double> const& 
   }
   laws.push_back(testing::projection_law(probe));
   laws.push_back(testing::finite_law(probe));
-  if constexpr (acts_on_points_only<C>) {
+  if constexpr (acts_on_rod_only<C>) {
     testing::ConstraintBench<C, T> const bench(probe, k);
     laws.push_back(bench.infinite_mass());
     laws.push_back(bench.static_stretch());

@@ -3,6 +3,7 @@
 
 #include <mpmpbd/core/status.hpp>
 #include <mpmpbd/pbd/project.hpp>
+#include <mpmpbd/pbd/solvers/band.hpp>
 
 namespace mpmpbd {
 
@@ -86,6 +87,7 @@ template <int iterations_ = 4> struct DirectBanded {
   static constexpr FixedString name = "XPBD, direct banded";
   static constexpr int iterations = iterations_;
   static constexpr bool needs_chain = true;
+  template <class C> static constexpr bool takes = is_along_chain<C>;
   template <class Set> using ScratchFields = typename Chain<rows_t<Set>>::ScratchFields;
 
   template <class Set, class Team, class Env, class T, class... Cs>
@@ -228,7 +230,7 @@ template <int iterations_ = 4> struct DirectBanded {
     using Points = std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>;
     detail::for_each_instance<C>(team, env, [&](std::int64_t slot) {
       auto const one = detail::load_instance<C>(env, slot);
-      auto const b = one.beads[0];
+      auto const b = one.slots[0];
       auto const g = flatten<C, T>(one.at, Points{});
       T f = one.multiplier[0];
       if constexpr (HasAcross<C>) {
@@ -258,7 +260,7 @@ template <int iterations_ = 4> struct DirectBanded {
       env.template set<typename System::template Alpha<C>>(b, one.compliance);
       if constexpr (is_length<C>) {  // the length at C = 0; add_multipliers adds the stretch
         auto const d =
-            env.template get<bead::Position>(one.beads[1]) - env.template get<bead::Position>(b);
+            env.template get<bead::Position>(one.slots[1]) - env.template get<bead::Position>(b);
         env.template set<typename System::template Length<C>>(b, norm(d) - one.at.value[0]);
       }
     });
@@ -325,61 +327,11 @@ template <int iterations_ = 4> struct DirectBanded {
     (env.template set<typename System::template Right<Cs>>(b, r[System::template place<Cs>]), ...);
   }
 
-  // L D L^T of the band and both substitutions, in place; false when a row lost its pivot.
   template <class System, class Env, class List>
   MPMPBD_HD static bool eliminate(Env const& env, List list) {
-    using T = typename Env::Scalar;
-    constexpr int half = System::half_band, width = half + 1, kinds = System::kinds;
-    std::int64_t const beads = env.template live<Beads>();
-    T L[half][half] = {};  // rows of L above: L[row % half][d - 1] = L(row, row - d)
-    T inverse[half] = {};  // 1/D of those rows
-    T y[half] = {};
-    bool whole = true;
-    for (std::int64_t b = 0; b < beads; ++b) {
-      auto band = env.template get<typename System::Band>(b);
-      auto r = rights<System>(env, b, list);
-      for (int a = 0; a < kinds; ++a) {
-        std::int64_t const row = b * kinds + a;
-        T raw[width] = {};  // L(row, row - d) D
-        T next[half] = {};  // L(row, row - d)
-        T pivot = band[a * width];
-        T const before = pivot;
-        T right = r[a];
-        for (int d = half; d >= 1; --d) {
-          if (row < d) continue;
-          int const above = static_cast<int>((row - d) % half);
-          T s = band[a * width + d];
-          for (int k = d + 1; k <= half && row >= k; ++k) s -= raw[k] * L[above][k - d - 1];
-          raw[d] = s;
-          next[d - 1] = s * inverse[above];
-          pivot -= s * next[d - 1];
-          right -= next[d - 1] * y[above];
-        }
-        bool const solid = pivot > T(64) * epsilon<T> * before;
-        if (!solid && before > T(0)) whole = false;
-        int const at = static_cast<int>(row % half);
-        for (int d = 0; d < half; ++d) L[at][d] = band[a * width + d + 1] = next[d];
-        inverse[at] = band[a * width] = solid ? T(1) / pivot : T(0);
-        y[at] = r[a] = right;
-      }
-      env.template set<typename System::Band>(b, band);
-      set_rights<System>(env, b, r, list);
-    }
-    T sums[half] = {};  // what the rows below take from the next ones: sums[row % half]
-    for (std::int64_t b = beads - 1; b >= 0; --b) {
-      auto const band = env.template get<typename System::Band>(b);
-      auto r = rights<System>(env, b, list);
-      for (int a = kinds - 1; a >= 0; --a) {
-        std::int64_t const row = b * kinds + a;
-        int const at = static_cast<int>(row % half);
-        r[a] = r[a] * band[a * width] - (band[a * width] > T(0) ? sums[at] : T(0));
-        sums[at] = T(0);
-        for (int d = 1; d <= half && row >= d; ++d)
-          sums[(row - d) % half] += band[a * width + d] * r[a];
-      }
-      set_rights<System>(env, b, r, list);
-    }
-    return whole;
+    return detail::eliminate_band<typename System::Band, System::kinds, System::half_band>(
+        env, [&](std::int64_t b) { return rights<System>(env, b, list); },
+        [&](std::int64_t b, auto const& r) { set_rights<System>(env, b, r, list); });
   }
 
   template <class System, class C, class Env, class T>
@@ -450,8 +402,8 @@ template <int iterations_ = 4> struct DirectBanded {
       auto const one = detail::load_instance<C>(env, slot);
       T const slope = norm(flatten<C, T>(
           one.at, std::make_index_sequence<static_cast<std::size_t>(point_count<C>)>{}));
-      T const segment = norm(env.template get<bead::Position>(one.beads[1]) -
-                             env.template get<bead::Position>(one.beads[0]));
+      T const segment = norm(env.template get<bead::Position>(one.slots[1]) -
+                             env.template get<bead::Position>(one.slots[0]));
       T const error = abs(one.at.value[0] + one.compliance * one.multiplier[0]);
       bool const moves = !is_held<C>(one.weights);
       if (moves && !(T(10) * error <= segment * slope))

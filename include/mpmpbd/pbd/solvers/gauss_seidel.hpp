@@ -1,4 +1,4 @@
-// XPBD by coloured Gauss-Seidel: each constraint sees the beads as the one before left them.
+// XPBD by coloured Gauss-Seidel: each constraint sees beads and frames as the one before left them.
 #pragma once
 
 #include <mpmpbd/pbd/project.hpp>
@@ -29,9 +29,10 @@ template <int iterations_> struct Xpbd {
     detail::for_each_colour<C>(team, env, [&](std::int64_t slot) {
       auto const one = detail::load_instance<C>(env, slot);
       auto const d = detail::correction<C>(one, dt2);
-      detail::for_each_displacement<C>(one, d, dt2, [&](std::int64_t b, Vec3<T> const& move) {
-        env.template set<bead::Position>(b, env.template get<bead::Position>(b) + move);
-      });
+      detail::for_each_displacement<C>(one, d, dt2,
+                                       [&](auto kind, std::int64_t at, Vec3<T> const& move) {
+                                         detail::displace(env, kind, at, move);
+                                       });
       set_vector<typename instance<C>::Multiplier>(env, slot, one.multiplier + d);
     });
   }
