@@ -54,6 +54,11 @@ template <class AnyRig> void slow_down(AnyRig& rig, double factor) {
   for (std::int64_t b = 0; b < rig.beads(); ++b)
     if (rig.store.template get<bead::InverseMass>(0, b) > 0)
       rig.store.template set<bead::Velocity>(0, b, factor * rig.v(b));
+  if constexpr (AnyRig::Store::template has<Frames>)
+    for (std::int64_t f = 0; f < rig.store.template table<Frames>().live(0); ++f)
+      if (rig.store.template get<frame::InverseInertia>(0, f) > 0)
+        rig.store.template set<frame::AngularVelocity>(
+            0, f, factor * rig.store.template get<frame::AngularVelocity>(0, f));
 }
 
 // Steps under load(rig, h) with a friction of `rate` [1/s] until no bead is faster than `least` [m/s];
