@@ -429,6 +429,93 @@ TEST_CASE("points that share nodes do not over-count", "[coupling][B20]") {
   }
 }
 
+// A point between two beads acts on both by its place between them. On the nearer one alone the moment
+// J x (x_i - x_c) would be lost.
+TEMPLATE_TEST_CASE("points between beads keep momentum and angular momentum", "[coupling][A4.8]",
+                   double, float) {
+  using T = TestType;
+  Draw d(25);
+  double const tolerance = sizeof(T) == 4 ? 1e-5 : 1e-12;
+  double linear = 0, turning = 0, exchanged = 0;
+  for (int n = 0; n < 100; ++n) {
+    auto r = random_rig<T, Slippery>(d, {.tension = false});
+    std::vector<mpmpbd::ContactPoint<T>> between;
+    for (int k = 0; k + 1 < r.beads(); ++k) {
+      mpmpbd::ContactPoint<T> p{};
+      p.contact = Contact::tied;
+      p.segment = k;
+      p.along = T(d.uniform());
+      auto const& a = r.bead[std::size_t(k)];
+      p.position = a + p.along * (r.bead[std::size_t(k) + 1] - a);
+      between.push_back(p);
+    }
+    r.allocate({}, between);
+    auto const bead = r.bead;
+    auto const before = momenta(r, bead);
+    REQUIRE(r.couple(0.0) == 0u);
+    auto const after = momenta(r, bead);
+    double const size = std::max(before.linear_size, after.linear_size);
+    linear = std::max(linear, norm(after.linear - before.linear) / size);
+    turning = std::max(turning, norm(after.angular - before.angular) /
+                                    std::max(before.angular_size, after.angular_size));
+    for (int q = r.thread_points(); q < r.view().count(); ++q)
+      exchanged += double(norm(r.points[std::size_t(q)].impulse)) / size;
+  }
+  CAPTURE(linear, turning, exchanged, sizeof(T));
+  CHECK(linear < tolerance);
+  CHECK(turning < tolerance);
+  CHECK(exchanged > 0.1);
+}
+
+// What is carried from substep to substep are forces: with twice the impulses of a step twice as long before, an
+// exchange is the same to the bit.
+TEST_CASE("carried impulses follow the length of the step", "[coupling][warm_start]") {
+  Draw d(27);
+  double carried = 0;
+  for (int n = 0; n < 100; ++n) {
+    auto a = random_rig<double, Bending>(d, {.needle = true, .one_sided = true});
+    auto b = a;
+    b.previous_dt = 2 * b.dt;
+    for (auto& impulse : b.impulse) impulse *= 2;
+    for (auto& p : b.points) {
+      carried += norm(p.impulse) / unit.impulse();
+      p.impulse *= 2;
+    }
+    REQUIRE(a.couple(0.0) == 0u);
+    REQUIRE(b.couple(0.0) == 0u);
+    for (std::size_t i = 0; i < a.velocity.size(); ++i) REQUIRE(a.velocity[i] == b.velocity[i]);
+    for (std::size_t k = 0; k < a.bead.size(); ++k) {
+      REQUIRE(a.bead_velocity[k] == b.bead_velocity[k]);
+      REQUIRE(a.impulse[k] == b.impulse[k]);
+    }
+    REQUIRE(a.needle.velocity == b.needle.velocity);
+  }
+  CHECK(carried > 1);
+}
+
+// B5: within half a cell of the border a stencil lacks a node. int(x/dx - 1/2) instead of floor would find one there,
+// with weights (0.98, -0.06, 0.08).
+TEST_CASE("a point that lacks a node is not in the grid", "[coupling][B5]") {
+  auto r = full_rig<Slippery>(10);
+  double w[27];
+  int node[27];
+  for (int axis = 0; axis < 3; ++axis) {
+    auto const mass_around = [&](double cells) {
+      auto x = unit.length * vec(4.3, 4.7, 4.2);
+      x[axis] = cells * unit.length;
+      return mpmpbd::embedding_weights<Q>(r.lattice, x, r.nodes(), w, node);
+    };
+    for (double const beyond : {-40.0, -0.4, 0.02, 0.3, 0.49, 8.51, 9.4, 1e12}) {
+      CAPTURE(axis, beyond);
+      CHECK(mass_around(beyond) == 0.0);
+    }
+    for (double const within : {0.51, 0.9, 4.0, 8.49}) {
+      CAPTURE(axis, within);
+      CHECK(mass_around(within) == Approx(unit.mass()).epsilon(1e-12));
+    }
+  }
+}
+
 // One impulse near a free surface: with corrected weights force and moment reach the grid whole.
 TEST_CASE("an impulse and its moment arrive whole", "[coupling][A4.8]") {
   Draw d(23);

@@ -166,6 +166,24 @@ TEST_CASE("where no tissue is, no pressure is", "[coupling][squeeze]") {
     if (p.contact == Contact::member) CHECK(p.pressure == 0);
 }
 
+// What friction makes of it: mu times pressure times the area of the point, on top of the lateral load.
+TEST_CASE("pressure adds to what clamps, tension takes from it down to nothing",
+          "[coupling][squeeze]") {
+  ContactLaw<double, Friction, NoDrag> const law{2e-4, {0.3, 150.0}, {}};
+  ContactPoint<double> p{};
+  p.contact = Contact::member;
+  p.axis = vec(0.0, 0.0, 1.0);
+  p.length = 1.7e-3;
+  p.radius = 2e-4;
+  auto const impulse = vec(3e-6, -4e-6, 9e-6);  // 5e-6 sideways
+  for (double const pressure : {0.0, 900.0, -100.0, -149.0, -151.0, -4000.0}) {
+    p.pressure = pressure;
+    double const clamped = std::max(150.0 + pressure, 0.0) * 2 * pi<double> * 2e-4 * 1.7e-3 * 2e-4;
+    CAPTURE(pressure);
+    CHECK_THAT(law.friction_cap(p, impulse), WithinRel(0.3 * (5e-6 + clamped), 1e-12));
+  }
+}
+
 TEMPLATE_TEST_CASE("Embedded keeps its laws with tissue pressure", "[coupling][squeeze]", float,
                    double) {
   using Laws_ = Coupling<Embedded, Friction, TissuePressure>;

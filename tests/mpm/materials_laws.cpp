@@ -105,6 +105,16 @@ TEMPLATE_TEST_CASE("fixed corotated laws", "[material][fixed_corotated]", float,
   require_exact_at_rest<FixedCorotated, TestType>(tissue);
 }
 
+TEST_CASE("moduli follow from E and nu", "[material][lame]") {
+  // Tissue of the reference system, E = 500 kPa, nu = 0.4; bulk modulus E / (3 (1 - 2 nu)).
+  CHECK(lame(5e5, 0.4).mu == Approx(178571.42857142857).epsilon(1e-14));
+  CHECK(lame(5e5, 0.4).lambda == Approx(714285.71428571432).epsilon(1e-14));
+  for (double const nu : {0.0, 0.3, 0.499}) {
+    auto const k = lame(17e3, nu);
+    CHECK(3 * k.lambda + 2 * k.mu == Approx(17e3 / (1 - 2 * nu)).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("fixed corotated is not St. Venant-Kirchhoff", "[material][fixed_corotated]") {
   // Finding 1c: a peer falls from one case label into the next; numbers from there.
   Local<double, Fields<particle::Deformation>> p{};
