@@ -107,6 +107,7 @@ TEST_CASE("each mistake in a file has its sentence", "[io][config]") {
       refusal("seed = 1\nseed = 2") ==
       "a.toml:2: Error while parsing key-value pair: cannot redefine existing integer 'seed'; write TOML 1.0");
   REQUIRE_THAT(refusal("seed = 1\n[wire"), Catch::Contains("a.toml:2: "));
+  REQUIRE(refusal("\"a\\u0000\\nb\" = 1") == "a.toml:1: key a??b is not known; take it out");
 }
 
 // A double holds whole numbers up to 2^53 exactly; beyond, toml++ hands out none.

@@ -161,6 +161,11 @@ TEST_CASE("a state file that describes more than it holds is refused", "[io][sta
     CHECK(said(live, count).find("items in use, of") != std::string::npos);
   }
   CHECK(said(environments, 2).empty());  // what it was
+  auto foreign = good;
+  foreign[16] = '\0';  // of the description; a message with it would end there
+  write_bytes(file, Forged(foreign).put(environments, 2).bytes);
+  CHECK(refusal<Store>(file).find("it holds '?calar 4' where this scene has 'scalar 4'; nothing") !=
+        std::string::npos);
   CHECK(refusal<Store>(std::filesystem::temp_directory_path().string()).find("is not a file") !=
         std::string::npos);
   std::filesystem::remove(file);

@@ -4,6 +4,7 @@
 
 #include <mpmpbd/io/config_keys.hpp>
 #include <mpmpbd/io/file.hpp>
+#include <mpmpbd/io/printable.hpp>
 
 namespace mpmpbd::io {
 
@@ -135,7 +136,7 @@ class ConfigReader {
   }
   Place here(std::uint32_t line) const { return {static_cast<int>(sources_.size()) - 1, line}; }
   void say(std::uint32_t line, std::string text) {
-    complaints_.push_back({here(line), std::move(text)});
+    complaints_.push_back({here(line), printable(std::move(text))});
   }
 
   bool is_table(std::string const& name) const {

@@ -248,6 +248,8 @@ class ConfigRules {
   }
 
   std::vector<Broken> const& broken() const { return broken_; }
+  // Whether no key and no rule has been refused so far.
+  bool all_hold() const { return broken_.empty() && flawed_.empty(); }
 
  private:
   ConfigKey const* find(std::string_view name) const {

@@ -9,6 +9,7 @@
 
 #include <mpmpbd/io/data_array.hpp>
 #include <mpmpbd/io/file.hpp>
+#include <mpmpbd/io/printable.hpp>
 
 namespace mpmpbd::io {
 
@@ -110,7 +111,7 @@ class PlyReader {
 
  private:
   [[noreturn]] void refuse(std::string const& reason) const {
-    throw FileError(fmt::format("cannot read '{}': {}", path_.string(), reason));
+    throw FileError(fmt::format("cannot read '{}': {}", path_.string(), printable(reason)));
   }
 
   std::string line() {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <mpmpbd/core/state.hpp>
+#include <mpmpbd/io/printable.hpp>
 
 namespace mpmpbd {
 
@@ -110,7 +111,8 @@ inline std::string first_difference(std::string const& given, std::string const&
   for (std::size_t i = 0; i < given.size() && i < wanted.size() && given[i] == wanted[i]; ++i)
     if (given[i] == '\n') line = i + 1;
   auto const rest = [line](std::string const& s) {
-    return line < s.size() ? s.substr(line, s.find('\n', line) - line) : std::string("nothing");
+    return line < s.size() ? io::printable(s.substr(line, s.find('\n', line) - line))
+                           : std::string("nothing");
   };
   return "it holds '" + rest(given) + "' where this scene has '" + rest(wanted) + "'";
 }
