@@ -174,6 +174,23 @@ TEST_CASE("impossible scenes are refused by file, line, key, value and range",
   REQUIRE_THAT(all("output", "width", "8"), Catch::Contains("output.width = 8 is not allowed"));
 }
 
+// What other parts would refuse, or count wrongly, is refused here and with the other mistakes.
+TEST_CASE("scenes of numbers beyond all use are refused as scenes", "[catalog][preset]") {
+  auto const text = [](std::string const& more) { return refusal(more + "\n"); };
+  CHECK_THAT(text("tissue.points = [4096, 4096, 4096]"), Catch::Contains("less than 5e8"));
+  CHECK_THAT(text("time.step_s = 1e300"), Catch::Contains("time.step_s = 1e+300 s"));
+  CHECK_THAT(text("time.step_s = 1e-300"), Catch::Contains("time.step_s = 1e-300 s"));
+  CHECK_THAT(text("domain.cell_size_m = 1e-200"), Catch::Contains("5e8 cells"));
+  CHECK_THAT(text("tissue.young_modulus_pa = 1e300"), Catch::Contains("time.substeps = 4"));
+  // Markers above each other have no path, markers a needle's diameter apart have one or none by rounding.
+  CHECK_THAT(text("markers.entry_m = [0, 0, 0]\nmarkers.exit_m = [1e-9, 0, 0.3]"),
+             Catch::Contains("markers are on the top surface"));
+  CHECK_THAT(text("markers.entry_m = [-0.32, 0, 0]\nmarkers.exit_m = [0.32, 0, 0]"),
+             Catch::Contains("markers.exit_m"));
+  CHECK_THAT(text("needle.angle_deg = 90.0\nmotion.approach_deg = 300"),
+             Catch::Contains("motion.approach_deg = 300"));
+}
+
 TEST_CASE("several mistakes in a scene are told at once", "[catalog][preset]") {
   try {
     io::parse_config<SuturingConfig>(

@@ -48,7 +48,8 @@ TEST_CASE("a value that cannot be is refused with its bound", "[rl][suturing][co
         Wrong{"hand.speed_m_s=\"fast\"", "speed_m_s"},
         Wrong{"random.friction_factor=0.5", "friction_factor"},
         Wrong{"random.marker_closer_m=0.4", "marker_closer_m"},
-        Wrong{"random.modulus_factor=9.0", "modulus_factor"}, Wrong{"picture.width=0", "width"}}) {
+        Wrong{"random.modulus_factor=9.0", "modulus_factor"}, Wrong{"picture.width=0", "width"},
+        Wrong{"motion.approach_deg=200.0", "approach_deg"}}) {
     auto const sentence = refusal(wrong.line);
     CAPTURE(wrong.line, sentence);
     CHECK(sentence.find(wrong.key) != std::string::npos);

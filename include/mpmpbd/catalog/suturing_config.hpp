@@ -273,8 +273,13 @@ struct SuturingConfig {
   double duration() const { return motion.drive_time + motion.pull_time; }  // [s]
   int steps() const { return static_cast<int>(std::lround(duration() / time.step)); }
   // Substeps of a step that the stable limit of tissue at rest leaves, at least.
-  int least_substeps() const {
-    return std::max(1, static_cast<int>(std::ceil(time.step / stable_dt() - 1e-9)));
+  int least_substeps() const { return substeps_of(stable_dt()); }
+  // Why the hand cannot sew like this, in the words of who makes its script; empty: it can.
+  std::string no_script() const {
+    try {
+      script();
+      return {};
+    } catch (std::invalid_argument const& reason) { return reason.what(); }
   }
   // The longest stable substep [s] of the tissue at rest: MLS forces, quadratic splines, with
   // omega^2 = D^-1 max(3 K, M) / rho, shortened by viscosity (effects/viscosity.hpp).
@@ -313,10 +318,29 @@ struct SuturingConfig {
     check_time(rules);
     check_needle_and_markers(rules);
     check_thread(rules);
+    // Rounding may see an angle beyond its bound there that is just within it here.
+    if (rules.all_hold()) {
+      auto const reason = no_script();
+      rules.require("motion.approach_deg", reason.empty(), reason);
+    }
   }
   bool operator==(SuturingConfig const&) const = default;
 
  private:
+  // Substeps of a step that are no longer than this [s]; 1e9 stands for all that no run could take.
+  int substeps_of(double longest) const {
+    double const needed = std::ceil(time.step / longest - 1e-9);
+    return needed < 1e9 ? std::max(1, static_cast<int>(needed)) : 1000000000;
+  }
+  // Half the distance between the markers, as their path has it [m].
+  double half_distance() const { return 0.5 * norm(exit() - entry()); }
+  // Whether a path leads from marker to marker: the rules say why there is none.
+  bool has_path() const {
+    double const half = half_distance();
+    return half > 0.0 && half <= needle.radius && markers.entry[0] != markers.exit[0] &&
+           markers.entry[2] == 0.0 && markers.exit[2] == 0.0;
+  }
+
   void check_domain(ConfigRules& rules) const {
     double const dx = domain.cell_size;
     char const* const axes = "xyz";
@@ -340,12 +364,17 @@ struct SuturingConfig {
     rules.require("domain.size_m",
                   domain.size[0] / dx * (domain.size[1] / dx) * (domain.size[2] / dx) < 5e8,
                   "the grid has more than 5e8 cells; give larger cells");
+    rules.require("tissue.points",
+                  double(tissue.points[0]) * tissue.points[1] * tissue.points[2] < 5e8,
+                  "give less than 5e8 of them");
   }
 
   void check_time(ConfigRules& rules) const {
+    rules.number("time.step_s", time.step, {duration() / 1e9, duration()},
+                 "a stitch takes one step at least, and less than 1e9");
     if (!time.strict || time.substeps == 0) return;
     double const limit = stable_dt();
-    int const calm = static_cast<int>(std::ceil(time.step / (0.8 * limit) - 1e-9));
+    int const calm = substeps_of(0.8 * limit);
     rules.number(
         "time.substeps", time.substeps, {static_cast<double>(least_substeps())},
         fmt::format(
@@ -356,7 +385,7 @@ struct SuturingConfig {
   void check_needle_and_markers(ConfigRules& rules) const {
     double const dx = domain.cell_size;
     double const smallest = std::min({domain.size[0], domain.size[1], domain.size[2]});
-    double const half = 0.5 * norm(markers.exit - markers.entry);
+    double const half = half_distance();
     rules.number("needle.radius_m", needle.radius, {0.0, smallest / 2},
                  "the needle is not larger than the domain");
     rules.number("needle.wire_radius_m", needle.wire_radius, {0.0, needle.radius / 2},
@@ -372,13 +401,12 @@ struct SuturingConfig {
     check_marker(rules, "markers.exit_m", markers.exit);
     rules.require("markers.exit_m", half > 0.5 * markers.diameter,
                   "entry and exit overlap; give markers at least a diameter apart");
-    bool const fits = half <= needle.radius;
     rules.require(
-        "markers.exit_m", fits,
+        "markers.exit_m", half <= needle.radius,
         fmt::format(
             "the markers are {:.4g} m apart, too far for a needle of radius {} m; give at most {:.4g} m",
             2 * half, needle.radius, 2 * needle.radius));
-    if (!fits || !(half > 0.0) || markers.entry[0] == markers.exit[0]) return;
+    if (!has_path()) return;
     auto const p = path();
     double const deep = p.depth + needle.wire_radius;
     rules.require(
@@ -418,8 +446,7 @@ struct SuturingConfig {
                  "a segment of the thread is not longer than a cell");
     rules.number("thread.radius_m", thread.radius, {0.0, thread.segment() / 2},
                  "a segment of the thread is longer than it is thick");
-    double const half = 0.5 * norm(markers.exit - markers.entry);
-    if (half > needle.radius || !(half > 0.0) || markers.entry[0] == markers.exit[0]) return;
+    if (!has_path()) return;
     double const used = path().angle * needle.radius +
                         motion.clear_deg * pi<double> / 180.0 * needle.radius + norm(motion.pull);
     rules.number("thread.length_m", thread.length, {used},

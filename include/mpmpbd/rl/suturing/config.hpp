@@ -148,7 +148,7 @@ struct SuturingTaskConfig {
   }
   // The lowest and most turned needle begins above the tissue.
   void check_start(ConfigRules& rules) const {
-    if (norm(scene.exit() - scene.entry()) >= 2 * scene.needle.radius) return;  // the scene says so
+    if (!scene.no_script().empty()) return;  // the scene says so
     auto const start = scene.script().start;
     auto const tip = quaternion::rotate(start.orientation, vec(1.0, 0.0, 0.0));
     double const turn = std::atan2(tip[2], tip[0]);
