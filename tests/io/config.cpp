@@ -119,6 +119,26 @@ TEST_CASE("large whole numbers are numbers", "[io][config]") {
   REQUIRE(s.wire.place == vec(0.0, 9007199254740992.0, -9223372036854775808.0));
 }
 
+// Every dot of a key is a table within a table.
+TEST_CASE("tables nested without end do not end the program", "[io][config]") {
+  std::string const deep(100, '.');
+  REQUIRE_THAT(refusal("seed = 1  # " + deep + "\nwire.beads = 1"),
+               Catch::Contains("wire.beads = 1 is not"));
+  std::string key = "a";
+  for (int n = 0; n < 200000; ++n) key += ".a";
+  REQUIRE(refusal("seed = 1\n" + key + " = 1") ==
+          "a.toml:2: more than 100 dots in a line; a key has one or two");
+  // The deepest that is left: 254 values within each other, every second with a key of 100 tables.
+  std::string nested = "x = ", end;
+  for (int level = 0; level < 127; ++level) {
+    nested += "[\n{ a";
+    for (int dot = 0; dot < 99; ++dot) nested += ".a";
+    nested += " = ";
+    end += " }\n]";
+  }
+  REQUIRE(refusal(nested + "1" + end) == "a.toml:1: key x is not known; take it out");
+}
+
 TEST_CASE("rules between keys name the key, its line and the range they leave", "[io][config]") {
   REQUIRE(
       refusal("half_m = 0.01\n[wire]\nradius_m = 0.02") ==

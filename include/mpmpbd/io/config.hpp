@@ -70,6 +70,11 @@ class ConfigReader {
     sources_.push_back(source);
     bool const one_line = text.find('\n') == std::string_view::npos;
     has_lines_.push_back(!one_line);
+    if (auto const line = line_of_many_dots(text)) {
+      say(line, fmt::format("more than {} dots in a line; a key has one or two", most_dots));
+      unreadable_ = true;
+      return;
+    }
     try {
       auto const document = toml::parse(text, std::string_view(source));
       walk(static_cast<toml::table const&>(document), "");
@@ -119,6 +124,20 @@ class ConfigReader {
   }
 
  private:
+  // toml++ takes a table apart with a call per table in it: dots without end in a key would fill the stack.
+  static constexpr int most_dots = 100;
+  static std::uint32_t line_of_many_dots(std::string_view text) {
+    std::uint32_t line = 1;
+    int dots = 0;
+    for (char const c : text) {
+      if (c == '.' && ++dots > most_dots) return line;
+      if (c != '\n') continue;
+      ++line;
+      dots = 0;
+    }
+    return 0;
+  }
+
   struct Place {
     int document = -1;  // -1: nowhere
     std::uint32_t line = 0;
