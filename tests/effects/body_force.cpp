@@ -33,8 +33,11 @@ Simulation<Flight<Body, Effect>, Serial, T> block(Kernels kernels = Kernels::wid
   run.template set<NeoHookean>(lame(1.3e4, 0.4));
   if constexpr (std::is_same_v<typename Body::Transfer, Flip>) run.template set<Flip>({1.0});
   std::vector<Vec3<double>> at;
-  for (int n = 0; n < count; ++n)
-    at.push_back(dx * vec(4.1 + 0.5 * (n % 6), 3.9 + 0.5 * (n / 6 % 6), 4.3 + 0.5 * (n / 36)));
+  at.reserve(count);
+  for (int k = 0; k < 6; ++k)
+    for (int j = 0; j < 6; ++j)
+      for (int i = 0; i < 6; ++i)
+        at.push_back(dx * vec(4.1 + 0.5 * i, 3.9 + 0.5 * j, 4.3 + 0.5 * k));
   run.add_particles(0, at, 1050.0, dx * dx * dx / 8);
   testing::Samples random(5);
   for (int p = 0; p < count; ++p)

@@ -40,7 +40,7 @@ template <class Body> class Discs {
   DiscOutcome collide() {
     double const start = kinetic();
     DiscOutcome o{start / dx_, 0.0, 1.0, 0.0, 0.0, 0.0, 0};
-    int const steps = static_cast<int>(duration / dt + 0.5);
+    auto const steps = static_cast<int>(std::lround(duration / dt));
     for (int n = 1; n <= steps; ++n) {
       run_.step(dt);
       if (n % 10 != 0) continue;

@@ -47,7 +47,7 @@ template <class Body> class Bar {
   }
 
   Mode observe() {
-    int const per_period = static_cast<int>(40.0 * length / dx_ + 0.5);  // 0.1 dx / c
+    auto const per_period = static_cast<int>(std::lround(40.0 * length / dx_));  // 0.1 dx / c
     double const dt = 4.0 * length / speed() / per_period;
     double first = 0.0, last = 0.0, before = of_mode(), most = 0.0;
     int crossings = 0;

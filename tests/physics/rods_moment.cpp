@@ -38,8 +38,8 @@ TEST_CASE("A3.6: a moment bends a rod into an arc", "[bend][frames][physics]") {
   CHECK(tip[1] == Approx(2 / pi<double>).epsilon(2e-3));
 }
 
-// The same, led: the last frame turns to where the moment would hold it, and the moment is read from the joints. (A free end
-// under a moment of fixed axis leaves the plane long before the circle closes, from rounding.)
+// The same, led: the last frame turns to where the moment would hold it, and the moment is read from the joints. (A
+// free end under a moment of fixed axis leaves the plane long before the circle closes, from rounding.)
 TEST_CASE("A3.6: four times the moment closes the circle", "[bend][frames][physics]") {
   auto rod = clamped();
   double const turn = 2 * pi<double> * (segments - 0.5) / segments, h = 1e-3 * unit;

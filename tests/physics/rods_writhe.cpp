@@ -14,8 +14,8 @@ struct Body : Pbd<Cosserat, DirectFrames<2>> {};
 // d = sqrt(16/y (1 - x^2/4y)) and 2 pi turns = x/gamma + 4 acos(x/(2 sqrt y)).
 double const shortening = 0.03, turns = 27, gamma = 0.789 / 1.345, x = 98.54149617, y = 2900.993206;
 double const length = 0.9, stiffness = 2.6e-5, line_density = 3.3e-3;
-// 140 segments give 45.8 degrees and an envelope 4.7 % off: the error falls with the square of the segment. The wire is so
-// thin that it does not shear; at five times the radius shear hides that error.
+// 140 segments give 45.8 degrees and an envelope 4.7 % off: the error falls with the square of the segment. The wire
+// is so thin that it does not shear; at five times the radius shear hides that error.
 int const segments = 200;
 double const l = length / segments;
 

@@ -234,9 +234,10 @@ class ConfigReader {
     bool const whole = !std::is_same_v<Number, double>;
     if (!node.is_integer() && (whole || !node.is_floating_point())) return false;
     // As a double for the bounds. toml++ gives none for a whole number that it would round.
-    std::int64_t const exact = node.value<std::int64_t>().value_or(0);
+    auto const* const integer = node.as_integer();
+    std::int64_t const exact = integer != nullptr ? integer->get() : 0;
     double const value =
-        node.is_integer() ? static_cast<double>(exact) : node.value<double>().value_or(0.0);
+        integer != nullptr ? static_cast<double>(exact) : node.value<double>().value_or(0.0);
     bool fits = mpmpbd::detail::allows(key.bounds, value);
     if constexpr (std::is_same_v<Number, double>) {
       if (fits) out = value;
