@@ -21,7 +21,8 @@ template <class T, class Form> struct HeldLine {
   double time = 0, bottom, top;
 
   // `buried`: how deep the line ends in the tissue.
-  HeldLine(double dt, bool clamped, double buried) : bottom(low + buried), top(high - buried) {
+  HeldLine(double dt, bool clamped, double buried, Units const& u = {})
+      : unit(u), bottom(low + buried), top(high - buried) {
     tissue.measure_in(unit, rig, dt, 2);
     auto const corner = [&](double a) { return unit.length * mpmpbd::vec(a, a, a); };
     tissue.fill(corner(low), corner(high), 0.4);
