@@ -1,0 +1,7 @@
+// Scene files (TOML) under libFuzzer: see entries.hpp.
+#include "entries.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* bytes, std::size_t size) {
+  fuzz::scene_file({reinterpret_cast<char const*>(bytes), size});
+  return 0;
+}

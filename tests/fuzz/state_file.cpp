@@ -1,0 +1,7 @@
+// State files under libFuzzer: see entries.hpp.
+#include "entries.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* bytes, std::size_t size) {
+  fuzz::state_file({reinterpret_cast<char const*>(bytes), size});
+  return 0;
+}
