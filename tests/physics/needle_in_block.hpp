@@ -65,13 +65,19 @@ template <class T, class Form> struct NeedleInBlock {
 
   // One substep at a needle velocity; the needle is endless along z, so only its sideways motion moves points.
   void step(Vec3<double> const& velocity) {
+    meet(velocity);
+    couple();
+  }
+  // The substep up to where tissue and needle exchange impulses, and from there on.
+  void meet(Vec3<double> const& velocity) {
     rig.needle.velocity = mpmpbd::cast<T>(u.speed() * velocity);
     tissue.scatter(rig);
-    auto const x = rig.view();
-    mpmpbd::Solo const team;
-    mpmpbd::embed_points(team, x, rig.nodes());
+    mpmpbd::embed_points(mpmpbd::Solo{}, rig.view(), rig.nodes());
     for (auto& p : rig.points) p.contact = p.coverage >= T(0.25) ? Contact::member : Contact::off;
-    mpmpbd::exchange(team, x, rig.nodes(), c.sweeps);
+  }
+  void couple() {
+    auto const x = rig.view();
+    mpmpbd::exchange(mpmpbd::Solo{}, x, rig.nodes(), c.sweeps);
     rig.previous_dt = rig.dt;
     auto const pull = mpmpbd::needle_wrench(x, rig.needle.centre).force;
     force = 1 / u.force() * mpmpbd::cast<double>(pull);
