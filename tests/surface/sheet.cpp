@@ -71,6 +71,9 @@ TEST_CASE("what is not a closed sheet is refused with the reason", "[surface][sh
   for (auto& t : bad.triangles) std::swap(t[0], t[1]);
   REQUIRE_THROWS_WITH(check_sheet(bad), Contains("turn inwards"));
   bad = good;
+  for (auto& x : bad.positions) x *= 1e150;
+  REQUIRE_THROWS_WITH(check_sheet(bad), Contains("its volume is not a finite number"));
+  bad = good;
   bad.triangles[5][2] = 99;
   REQUIRE_THROWS_WITH(check_sheet(bad), Contains("triangle 5 names vertex 99; there are 26"));
   bad = good;

@@ -133,7 +133,9 @@ template <class T> void check_sheet(SheetMesh<T> const& mesh, std::string const&
           std::to_string(edges[i][1]) +
           " does not have exactly two triangles that run along it in opposite directions; give a closed surface");
   }
-  if (!(enclosed_volume(sheet) > T(0))) refuse("the triangles turn inwards; turn them all round");
+  T const volume = enclosed_volume(sheet);
+  if (!is_finite(volume)) refuse("its volume is not a finite number; give lengths in metres");
+  if (!(volume > T(0))) refuse("the triangles turn inwards; turn them all round");
 }
 
 // Copies a mesh into the tables of one environment.
