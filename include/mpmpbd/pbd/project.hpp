@@ -19,14 +19,14 @@ template <class C, class T> struct Loaded {
 };
 
 // Calls f(kind, index) for every unknown that a rod's solver moves: a tag, and its number as a type.
-template <class U, int I, class Function> MPMPBD_HD void call_if_kept(Function&& f) {
+template <class U, int I, class Function> MPMPBD_INLINE void call_if_kept(Function&& f) {
   if constexpr (is_kept<U>) f(U{}, std::integral_constant<int, I>{});
 }
 template <class Function, class... Us, std::size_t... Is>
-MPMPBD_HD void for_each_kept(Function&& f, TypeList<Us...>, std::index_sequence<Is...>) {
+MPMPBD_INLINE void for_each_kept(Function&& f, TypeList<Us...>, std::index_sequence<Is...>) {
   (call_if_kept<Us, static_cast<int>(Is)>(f), ...);
 }
-template <class C, class Function> MPMPBD_HD void for_each_kept(Function&& f) {
+template <class C, class Function> MPMPBD_INLINE void for_each_kept(Function&& f) {
   for_each_kept(f, typename C::Unknowns{},
                 std::make_index_sequence<static_cast<std::size_t>(C::Unknowns::size)>{});
 }
@@ -38,13 +38,17 @@ using index_t = std::conditional_t<std::is_same_v<Unknown, unknown::Point>,
 
 // The slots of an instance's beads and frames, in the order of its unknowns.
 template <class C, class Env> MPMPBD_HD auto slots_of(Env const& env, std::int64_t slot) {
-  Vec<std::int64_t, C::Unknowns::size> slots{};
-  int b = 0, f = 0;
-  for_each_kept<C>([&]<class U, class I>(U, I) {
-    int& n = std::is_same_v<U, unknown::Point> ? b : f;
-    slots[I::value] = get_vector<index_t<C, U>>(env, slot)[n++];
-  });
-  return slots;
+  if constexpr (acts_on_points_only<C>) {
+    return get_vector<typename instance<C>::Index>(env, slot);
+  } else {
+    Vec<std::int64_t, C::Unknowns::size> slots{};
+    int b = 0, f = 0;
+    for_each_kept<C>([&]<class U, class I>(U, I) {
+      int& n = std::is_same_v<U, unknown::Point> ? b : f;
+      slots[I::value] = get_vector<index_t<C, U>>(env, slot)[n++];
+    });
+    return slots;
+  }
 }
 
 template <class C, class Env> MPMPBD_HD auto load_instance(Env const& env, std::int64_t slot) {
@@ -124,8 +128,8 @@ MPMPBD_HD Vec<T, C::dimension> correction(Loaded<C, T> const& one, T dt2) {
 // Calls f(kind, slot, displacement) for every bead and frame of an instance that can move: [m] or a rotation
 // vector [rad].
 template <class C, class T, class Function>
-MPMPBD_HD void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimension> const& d, T dt2,
-                                     Function&& f) {
+MPMPBD_INLINE void for_each_displacement(Loaded<C, T> const& one, Vec<T, C::dimension> const& d,
+                                         T dt2, Function&& f) {
   for_each_kept<C>([&]<class U, class I>(U kind, I) {
     T const w = one.weights[I::value];
     if (w > T(0))
