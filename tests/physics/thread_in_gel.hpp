@@ -34,11 +34,12 @@ struct ThreadInGel {
     add_thread(rod, std::span<Vec3<double> const>(line), beads(), material());
     return rod;
   }
-  template <class S, class T> Simulation<S, Serial, T> make() const {
+  template <class S, class T, class Backend = Serial>
+  Simulation<S, Backend, T> make(Backend backend = {}) const {
     auto const thread = rod<typename S::Rods>();
     auto capacity = thread.capacity();
     capacity.push_back({ContactPoints::name.view(), beads()});
-    Simulation<S, Serial, T> run(block.options(capacity));
+    Simulation<S, Backend, T> run(block.options(capacity), backend);
     block.fill(run);
     run.template set<Embedded>({radius});
     for (int e = 0; e < block.environments; ++e) {
