@@ -1,4 +1,4 @@
-// A2.12: a block slides on a wall with friction, down a slope (matter's case: 24 degrees, mu = tan 15 degrees, 5 s:
+// A2.12, A3.15: a block slides on a wall with friction, down a slope (matter's case: 24 degrees, mu = tan 15 degrees, 5 s:
 // 19.859471 m within 1e-3) and to a stop after v^2 / (2 mu g) (within 1 %).
 // seconds: 10
 #include "catch.hpp"
@@ -110,5 +110,21 @@ TEST_CASE("A2.12: a sliding block stops where its energy is spent", "[mpm][frict
     CAPTURE(mu);
     CHECK(block.place() - start == Approx(stop).epsilon(0.01));
     CHECK(block.kinetic() < 1e-4 * kinetic);
+  }
+}
+
+// m (a - mu g)^2 t^2 / 2, and nothing below mu g, where an elastic block still trembles: 1e-9 of what friction holds back.
+TEST_CASE("A3.15: what friction leaves of a pull becomes motion", "[mpm][friction]") {
+  double const mu = 0.3, time = 2.0, mass = density * 18 * dx * dx * dx;
+  for (double const pull : {0.9, 2.0, 3.0}) {  // of mu g
+    Block block(110);
+    block.settle(0.9 * mu * g, g, mu);
+    block.load(pull * mu * g, g, mu);
+    block.run(time);
+    double const held = mu * g * time, speed = std::max(0.0, pull - 1.0) * held;
+    auto const energy = [&](double v) { return 0.5 * mass * v * v; };
+    CAPTURE(pull);
+    CHECK(block.kinetic() == Approx(energy(speed)).epsilon(0.02).margin(1e-9 * energy(held)));
+    CHECK(block.status() == 0);
   }
 }
