@@ -1,6 +1,6 @@
 // B28: a suture of 0.2 mm in segments of half a millimetre. What it pushes with does not depend on where its
 // beads are, nor on the metre.
-// seconds: 10
+// seconds: 1
 #include "catch.hpp"
 #include "physics/held_line.hpp"
 

@@ -1,6 +1,6 @@
 // B17: tissue that is pulled until its particles lose each other. Quadratic splines: particles less than two
 // cells apart always share a node, three cells apart never; in between it depends on where the nodes are.
-// seconds: 5
+// seconds: 1
 #include <algorithm>
 
 #include <mpmpbd/effects/pinned_region.hpp>

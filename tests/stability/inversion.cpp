@@ -3,7 +3,7 @@
 // F <- (I + dt C) F with dt |C| <= 1/2 multiplies det F by a positive number: no particle of a run ever turns
 // inside out (time_step.cpp), and one that is put in so stays so for ever, as a flat one stays flat. What can
 // be asked is that it spoils nothing; and that what was pressed but not inverted comes back.
-// seconds: 15
+// seconds: 1
 #include <mpmpbd/effects/damping.hpp>
 #include <mpmpbd/mpm/materials/fixed_corotated.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>

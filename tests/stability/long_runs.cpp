@@ -1,5 +1,5 @@
 // B39 over 1e5 steps and fewer; over a million in long_runs_long.cpp.
-// seconds: 30
+// seconds: 12
 #include "stability/long_runs.hpp"
 
 using namespace test::long_runs;

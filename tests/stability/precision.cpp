@@ -1,5 +1,5 @@
 // B43: float against double, and numbers too small for float's normal range.
-// seconds: 10
+// seconds: 1
 #include <mpmpbd/effects/damping.hpp>
 #include <mpmpbd/effects/walls.hpp>
 #include <mpmpbd/mpm/materials/fixed_corotated.hpp>

@@ -1,6 +1,6 @@
 // B32: a needle that is pressed on tissue sideways, and with its tip just below and just above the force that
 // opens the surface. Hysteresis, chatter and a tip that slides along the surface: tests/surface/tip.cpp.
-// seconds: 15
+// seconds: 4
 #include <algorithm>
 
 #include "catch.hpp"

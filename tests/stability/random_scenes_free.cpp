@@ -1,5 +1,5 @@
 // B48, bodies on which nothing acts; see random_scenes.hpp.
-// seconds: 15
+// seconds: 18
 #include <mpmpbd/mpm/materials/fixed_corotated.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/mpm/transfer/pic.hpp>

@@ -1,5 +1,5 @@
 // B48, bodies under loads in a box; see random_scenes.hpp.
-// seconds: 15
+// seconds: 10
 #include <mpmpbd/mpm/materials/fixed_corotated.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/mpm/materials/st_venant_kirchhoff.hpp>

@@ -1,5 +1,5 @@
 // B30, B33: a needle that turns back every ten steps, comes to rest, or saws a hundred times through tissue.
-// seconds: 45
+// seconds: 20
 #include "catch.hpp"
 #include "physics/needle_in_block.hpp"
 

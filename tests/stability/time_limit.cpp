@@ -1,6 +1,6 @@
 // B2: the library's limit of the step against the true one of a lattice of particles, from how its tiny
 // random motions grow: for every shape, force form and transfer, particles per cell and place in the cell.
-// seconds: 30
+// seconds: 25
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/mpm/transfer/pic.hpp>
 #include <mpmpbd/mpm/transfer/tpic.hpp>

@@ -1,5 +1,5 @@
 // B10, B12, B47: crowds of particles at one point, nearly incompressible tissue, and the noise that FLIP keeps.
-// seconds: 15
+// seconds: 8
 #include <limits>
 
 #include <mpmpbd/effects/damping.hpp>
