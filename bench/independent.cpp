@@ -348,8 +348,9 @@ double bar_by_mpm(int n) {
   run.set<Walls<Slip>>({{0, 3 * dx, 3 * dx}, {1e3, 5 * dx, 5 * dx}});
   std::vector<Vec3<double>> at;
   for (int i = 0; i < 2 * n; ++i)
-    for (int j = 0; j < 16; ++j)
-      at.push_back(dx * (vec(3.0, 3.0, 3.0) + 0.5 * vec(i + 0.5, j % 4 + 0.5, j / 4 + 0.5)));
+    for (int j = 0; j < 4; ++j)
+      for (int k = 0; k < 4; ++k)
+        at.push_back(dx * (vec(3.0, 3.0, 3.0) + 0.5 * vec(i + 0.5, j + 0.5, k + 0.5)));
   run.add_particles(0, at, bar_density, dx * dx * dx / 8);
   int const steps = 40;
   for (int k = 0; k < steps; ++k) run.step(bar_time / steps);
