@@ -10,6 +10,7 @@
 #include <mpmpbd/io/summary.hpp>
 #include <mpmpbd/io/video.hpp>
 #include <mpmpbd/io/vtk.hpp>
+#include <mpmpbd/scene/totals.hpp>
 
 namespace course {
 
@@ -26,13 +27,13 @@ class StitchFiles {
   // A row per step.
   template <class Sim> void row(Sim const& sim, mpmpbd::suturing::StitchSample const& s) {
     if (rows_++ % 10 == 0)
-      energy_ = mpmpbd::suturing::tissue_energy(sim, 0);  // it costs as much as a substep
+      energy_ = mpmpbd::tissue_totals(sim, 0);  // it costs as much as a substep
     most_kinetic_ = std::max(most_kinetic_, energy_.kinetic);
-    most_elastic_ = std::max(most_elastic_, energy_.elastic);
+    most_elastic_ = std::max(most_elastic_, energy_.strain);
     series_.row({s.time, s.depth, s.force[0], s.force[1], s.force[2], s.moment[0], s.moment[1],
                  s.moment[2], norm(s.force), s.peak_force, s.tip_force, s.pull, s.most_tension,
                  s.least_tension, double(s.embedded), double(s.status), double(s.substeps),
-                 energy_.kinetic, energy_.elastic});
+                 energy_.kinetic, energy_.strain});
   }
 
   // The scene as ParaView opens it.
@@ -149,7 +150,7 @@ class StitchFiles {
     j["embedded segments"] = report.last().embedded;
     j["crossings"] = report.crossings().size();
     j["kinetic energy of the tissue at the end"] = quantity(energy_.kinetic, "J");
-    j["elastic energy of the tissue at the end"] = quantity(energy_.elastic, "J");
+    j["elastic energy of the tissue at the end"] = quantity(energy_.strain, "J");
     j["largest kinetic energy"] = quantity(most_kinetic_, "J");
     j["largest elastic energy"] = quantity(most_elastic_, "J");
     j["computing time"] = quantity(seconds, "s");
@@ -178,7 +179,7 @@ class StitchFiles {
   mpmpbd::suturing::StitchPicture picture_;
   mpmpbd::io::Csv series_;
   mpmpbd::io::TimeSeries paraview_;
-  mpmpbd::suturing::StitchEnergy energy_{};
+  mpmpbd::Totals energy_{};
   double most_kinetic_ = 0.0, most_elastic_ = 0.0;
   std::int64_t rows_ = 0;
 };

@@ -7,6 +7,7 @@
 #include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/mpm/transfer/flip.hpp>
 #include <mpmpbd/scene/simulation.hpp>
+#include <mpmpbd/scene/totals.hpp>
 #include <mpmpbd/testing/samples.hpp>
 
 namespace test {
@@ -43,20 +44,14 @@ struct BlockCase {
   }
 };
 
-template <class T> double widened(T a) { return static_cast<double>(a); }
-template <class T, int R, int C> Mat<double, R, C> widened(Mat<T, R, C> const& a) {
-  return cast<double>(a);
-}
-
 // Sums over all particles.
-struct Sums {
-  Vec3<double> momentum{}, spin{};                // [kg m/s]; angular, about the origin [kg m^2/s]
-  double momentum_size = 0;                       // sum of m |v|
-  double kinetic = 0, strain = 0, potential = 0;  // [J]; potential: of gravity
-  double least_volume = 1e300;                    // det F
+struct Sums : Totals {
+  double momentum_size = 0;     // sum of m |v| [kg m/s]
+  double potential = 0;         // of gravity [J]
+  double least_volume = 1e300;  // det F
   bool finite = true, inside = true;
 
-  double energy() const { return kinetic + strain + potential; }
+  double energy() const { return Totals::energy() + potential; }
 };
 
 template <class Scene_, class T = double, class Backend = Serial> struct Block {
@@ -80,7 +75,7 @@ template <class Scene_, class T = double, class Backend = Serial> struct Block {
 
   std::int64_t size() const { return run.state().template table<Particles>().live(0); }
   template <class F> auto get(std::int64_t p) const {
-    return widened(run.state().template get<F>(0, p));
+    return mpmpbd::detail::in_double(run.state().template get<F>(0, p));
   }
   template <class F> void set(std::int64_t p, value_t<F, double> const& a) {
     if constexpr (F::components == 1)
@@ -107,15 +102,14 @@ template <class Scene_, class T = double, class Backend = Serial> struct Block {
 
   // Takes away the motion of the middle of mass, so that the block stays where it is.
   void stay() {
-    double mass = 0;
-    for (std::int64_t p = 0; p < size(); ++p) mass += get<particle::Mass>(p);
-    auto const mean = 1 / mass * sums().momentum;
+    auto const all = sums();
+    auto const mean = 1 / all.mass * all.momentum;
     for (std::int64_t p = 0; p < size(); ++p)
       set<particle::Velocity>(p, get<particle::Velocity>(p) - mean);
   }
 
   Sums sums() const {
-    Sums s;
+    Sums s{tissue_totals(run, 0)};
     for (std::int64_t p = 0; p < size(); ++p) add(s, p);
     return s;
   }
@@ -147,23 +141,11 @@ template <class Scene_, class T = double, class Backend = Serial> struct Block {
       all.push_back({get<particle::Velocity>(p), affine(p)});
     return all;
   }
-  double strain_energy(std::int64_t p) const {
-    mpmpbd::detail::Archetype<Material, double> item{};
-    for_each_field(typename Material::Reads{}, [&]<class F>(F) { item[F{}] = get<F>(p); });
-    return get<particle::Volume>(p) *
-           Material::energy(item, cast_parameters<Material, double, T>(
-                                      run.state().template parameters<Material>(0)));
-  }
   void add(Sums& s, std::int64_t p) const {
     auto const x = get<particle::Position>(p), v = get<particle::Velocity>(p);
     auto const F = get<particle::Deformation>(p), C = affine(p);
     double const m = get<particle::Mass>(p);
-    s.momentum += m * v;
-    s.spin += m * cross(x, v) +
-              m * inertia() * vec(C(2, 1) - C(1, 2), C(0, 2) - C(2, 0), C(1, 0) - C(0, 1));
     s.momentum_size += m * norm(v);
-    s.kinetic += 0.5 * m * (dot(v, v) + inertia() * dot(C, C));
-    s.strain += strain_energy(p);
     if constexpr (stores<ParametersField<Gravity>>) {
       auto const k = run.state().template parameters<Gravity>(0);
       for (int a = 0; a < 3; ++a) s.potential -= m * static_cast<double>(k.g[a]) * x[a];

@@ -25,7 +25,9 @@ template <class T> void check_spin(int steps, double per_step) {
   for (int s = 0; s < steps; ++s) block.run.step(h);
   auto const end = block.sums();
   // About the middle of mass, which drifts by rounding.
-  auto const about = [&](Sums const& s) { return s.spin - cross(block.c.middle(), s.momentum); };
+  auto const about = [&](Sums const& s) {
+    return s.angular_momentum - cross(block.c.middle(), s.momentum);
+  };
   double const change = norm(about(end) - about(start)) / norm(about(start));
   CAPTURE(steps, change, 1e12 * change, norm(end.momentum) / start.momentum_size,
           end.energy() / start.energy());

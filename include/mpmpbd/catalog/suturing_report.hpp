@@ -27,10 +27,6 @@ struct StitchSample {
   int substeps;
 };
 
-struct StitchEnergy {
-  double kinetic, elastic;  // of the tissue [J]
-};
-
 // Where the thread goes through the surface.
 struct ThreadCrossing {
   Vec3<double> at;  // [m]
@@ -132,23 +128,6 @@ std::vector<ThreadCrossing> thread_crossings(Sim& sim, std::int64_t env, double 
     }
   }
   return found;
-}
-
-template <class Sim> StitchEnergy tissue_energy(Sim const& sim, std::int64_t env) {
-  using T = typename Sim::Scalar;
-  auto const& state = sim.state();
-  auto const material = state.template parameters<NeoHookean>(env);
-  StitchEnergy sum{0.0, 0.0};
-  for (std::int64_t i = 0; i < state.template table<Particles>().live(env); ++i) {
-    auto const v = cast<double>(state.template get<particle::Velocity>(env, i));
-    Local<T, Fields<particle::Deformation>> p;
-    p[particle::Deformation{}] = state.template get<particle::Deformation>(env, i);
-    sum.kinetic +=
-        0.5 * static_cast<double>(state.template get<particle::Mass>(env, i)) * dot(v, v);
-    sum.elastic += static_cast<double>(NeoHookean::energy(p, material)) *
-                   static_cast<double>(state.template get<particle::Volume>(env, i));
-  }
-  return sum;
 }
 
 class StitchReport {

@@ -11,14 +11,12 @@
 namespace mpmpbd {
 
 struct Totals {
-  double mass = 0.0;        // [kg]
-  Vec3<double> momentum{};  // [kg m/s]
-  Vec3<double>
-      angular_momentum{};  // about the origin, with the spin of affine particles [kg m^2/s]
-  double kinetic = 0.0;    // with the affine motion within particles [J]
-  double strain = 0.0;     // stored in the material [J]
-  double strain_work =
-      0.0;  // done on it until the last substep began; 0 without the effect StrainWork [J]
+  double mass = 0.0;                // [kg]
+  Vec3<double> momentum{};          // [kg m/s]
+  Vec3<double> angular_momentum{};  // about the origin [kg m^2/s]; affine particles spin, too
+  double kinetic = 0.0;             // energy [J], with the affine motion within particles
+  double strain = 0.0;              // energy stored in the material [J]
+  double strain_work = 0.0;  // done on it until the last substep began [J]; 0 without StrainWork
 
   double energy() const { return kinetic + strain; }
   // What the material has turned into heat, where StrainWork counts. With Prony only when it is at rest: its
@@ -34,6 +32,10 @@ struct Totals {
 };
 
 namespace detail {
+template <class T> double in_double(T a) { return static_cast<double>(a); }
+template <class T, int R, int C> Mat<double, R, C> in_double(Mat<T, R, C> const& a) {
+  return cast<double>(a);
+}
 // A particle's affine velocity C moves its parts, of inertia m D, D = dx^2 / inverse_inertia (Jiang et al. 2015).
 inline void add_affine(Totals& sum, double m, double D, Mat3<double> const& C) {
   sum.kinetic += 0.5 * m * D * dot(C, C);
@@ -47,24 +49,22 @@ template <class Sim> Totals tissue_totals(Sim const& sim, std::int64_t env) {
   using Body = typename Sim::Scene::Body;
   using Material = typename Body::Material;
   auto const& state = sim.state();
-  auto const k = state.template parameters<Material>(env);
+  auto const k = cast_parameters<Material, double, typename Sim::Scalar>(
+      state.template parameters<Material>(env));
   double const dx = sim.options().cell_size;
   Totals sum;
   auto const live = state.template table<Particles>().live(env);
   for (std::int64_t i = 0; i < live; ++i) {
-    double const m = double(state.template get<particle::Mass>(env, i));
-    sum.add(m, cast<double>(state.template get<particle::Position>(env, i)),
-            cast<double>(state.template get<particle::Velocity>(env, i)));
+    auto const get = [&]<class F>(F) { return detail::in_double(state.template get<F>(env, i)); };
+    double const m = get(particle::Mass{});
+    sum.add(m, get(particle::Position{}), get(particle::Velocity{}));
     if constexpr (Body::Transfer::carries_affine && Body::Shape::inverse_inertia > 0.0)
-      detail::add_affine(sum, m, dx * dx / Body::Shape::inverse_inertia,
-                         cast<double>(state.template get<particle::Affine>(env, i)));
-    Local<typename Sim::Scalar, typename Material::Reads> p{};
-    for_each_field(stored_t<typename Material::Reads>{},
-                   [&](auto f) { p[f] = state.template get<decltype(f)>(env, i); });
-    sum.strain +=
-        double(state.template get<particle::Volume>(env, i)) * double(Material::energy(p, k));
+      detail::add_affine(sum, m, dx * dx / Body::Shape::inverse_inertia, get(particle::Affine{}));
+    Local<double, typename Material::Reads> p{};
+    for_each_field(stored_t<typename Material::Reads>{}, [&](auto f) { p[f] = get(f); });
+    sum.strain += get(particle::Volume{}) * Material::energy(p, k);
     if constexpr (contains<typename Sim::Store::List, particle::StrainWork>)
-      sum.strain_work += double(state.template get<particle::StrainWork>(env, i));
+      sum.strain_work += get(particle::StrainWork{});
   }
   return sum;
 }
