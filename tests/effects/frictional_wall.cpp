@@ -44,6 +44,11 @@ TEST_CASE("a node pressed on a wall slides or sticks as Coulomb says", "[effect]
   CHECK(norm(after<Ceiling>(-v, 0.2, 0.5) - 0.8 * vec(-0.3, 0.4, 0.0)) < 1e-15);
 }
 
+TEST_CASE("a wall with friction has the name of one", "[effect][wall]") {
+  CHECK(Ground::name.view() == "frictional wall z low");
+  CHECK(Ceiling::name.view() == "frictional wall z high");
+}
+
 TEST_CASE("a negative friction coefficient is refused", "[effect][wall][refusal]") {
   CHECK_THROWS_WITH((check_parameters<Ground, double>({0.1, -0.2})),
                     Catch::Contains("coefficient = -0.2"));

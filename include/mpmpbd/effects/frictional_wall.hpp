@@ -3,7 +3,6 @@
 
 #include <array>
 
-#include <mpmpbd/core/joined.hpp>
 #include <mpmpbd/effects/walls.hpp>
 
 namespace mpmpbd {
@@ -18,7 +17,7 @@ template <int axis, Side side> struct FrictionalWall {
   static_assert(axis >= 0 && axis < 3,
                 "mpmpbd FrictionalWall<axis, side>: axis is 0, 1 or 2 for x, y or z");
   using Role = role::Effect;
-  static constexpr auto name = joined(FixedString("frictional "), Wall<Slip, axis, side>::name);
+  static constexpr auto name = detail::wall_name<axis, side>(FixedString("frictional"));
   static constexpr Slot slot = Slot::at_boundary;
   using Reads = Fields<node::Position, node::Velocity>;
   using Writes = Fields<node::Velocity>;

@@ -36,6 +36,18 @@ concept WallCondition = requires(Local<float, Fields<node::Velocity, node::Inver
 
 enum class Side { low, high };
 
+namespace detail {
+// "sticky wall x low"
+template <int axis, Side side, std::size_t n>
+constexpr auto wall_name(FixedString<n> const& condition) {
+  constexpr FixedString<4> axes[] = {" x ", " y ", " z "};
+  if constexpr (side == Side::low)
+    return joined(condition, FixedString(" wall"), axes[axis], FixedString("low"));
+  else
+    return joined(condition, FixedString(" wall"), axes[axis], FixedString("high"));
+}
+}  // namespace detail
+
 // One wall: a plane across `axis` (0, 1, 2 for x, y, z) that bounds the domain on its low or high side.
 // Limits: a wall has no friction between stick and slip; it acts on nodes, so put it on a node plane.
 template <class Condition, int axis, Side side> struct Wall {
@@ -48,13 +60,7 @@ template <class Condition, int axis, Side side> struct Wall {
                 "mpmpbd Wall<Condition, axis, side>: axis is 0, 1 or 2 for x, y or z");
 
   using Role = role::Effect;
-  static constexpr auto name = [] {
-    constexpr FixedString<4> axes[] = {" x ", " y ", " z "};
-    if constexpr (side == Side::low)
-      return joined(Condition::name, FixedString(" wall"), axes[axis], FixedString("low"));
-    else
-      return joined(Condition::name, FixedString(" wall"), axes[axis], FixedString("high"));
-  }();
+  static constexpr auto name = detail::wall_name<axis, side>(Condition::name);
   static constexpr Slot slot = Slot::at_boundary;
   using Reads = Fields<node::Position, node::Velocity>;
   using Writes = Fields<node::Velocity>;
