@@ -37,19 +37,6 @@ RodAssembly<Body> crooked(int beads, bool hold, RestShape rest = RestShape::stra
   if (hold) rod.prescribe(0), rod.prescribe(1), rod.prescribe_frame(0);
   return rod;
 }
-template <class Body, class T, class Team> void shake(Rig<Body, T, Team>& rig, double speed) {
-  mpmpbd::testing::Samples samples(3);
-  for (std::int64_t b = 0; b < rig.beads(); ++b) {
-    auto const v = cast<T>(speed * samples.matrix<3>(-1.0, 1.0));
-    if (rig.store.template get<bead::InverseMass>(0, b) > 0)
-      rig.store.template set<bead::Velocity>(0, b, v);
-  }
-}
-template <class A, class B> double distance(A const& a, B const& b) {
-  double most = 0;
-  for (std::int64_t i = 0; i < a.beads(); ++i) most = max(most, double(norm(a.x(i) - b.x(i))));
-  return most;
-}
 }  // namespace
 
 TEST_CASE("a body without frames stores none", "[constraint][frames]") {

@@ -7,6 +7,7 @@
 #include <mpmpbd/pbd/solvers/direct_banded.hpp>
 #include <mpmpbd/pbd/solvers/gauss_seidel.hpp>
 #include <mpmpbd/pbd/solvers/jacobi.hpp>
+#include <mpmpbd/testing/samples.hpp>
 
 namespace rods {
 using namespace mpmpbd;
@@ -93,6 +94,22 @@ template <class Body, class T = double, class Team = Solo> class Rig {
  private:
   Team team_;
 };
+
+// Gives the beads that are free random velocities of up to `speed` [m/s] along each axis.
+template <class Body, class T, class Team> void shake(Rig<Body, T, Team>& rig, double speed) {
+  mpmpbd::testing::Samples samples(3);
+  for (std::int64_t b = 0; b < rig.beads(); ++b) {
+    auto const v = cast<T>(speed * samples.matrix<3>(-1.0, 1.0));
+    if (rig.store.template get<bead::InverseMass>(0, b) > 0)
+      rig.store.template set<bead::Velocity>(0, b, v);
+  }
+}
+// The farthest that two runs have a bead apart [m].
+template <class A, class B> double distance(A const& a, B const& b) {
+  double most = 0;
+  for (std::int64_t i = 0; i < a.beads(); ++i) most = max(most, double(norm(a.x(i) - b.x(i))));
+  return most;
+}
 
 // Beads of equal mass on a line with Distance of the given compliance, the first one fixed.
 template <class Body> RodAssembly<Body> chain(Line const& points, double mass, double compliance) {
