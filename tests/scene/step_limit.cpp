@@ -108,3 +108,52 @@ TEST_CASE("a strict run takes as many substeps as it needs, up to its bound",
   CHECK(run.state().get<environment::Substeps>(1) == 10);
   CHECK_THROWS_WITH(run.step(13.0 * dt), Catch::Contains("longer than the stable limit"));
 }
+
+TEST_CASE("a shorter limit holds at once, a longer one after a while", "[scene][time_step]") {
+  HeldLimit<double> held{};
+  held.meet(2.5e-4);
+  CHECK(held.limit == 2.5e-4);
+  held.meet(1e-4);
+  CHECK(held.limit == 1e-4);
+  for (int s = 1; s < held.patience; ++s) held.meet(3e-4);
+  CHECK(held.limit == 1e-4);
+  SECTION("it grows by no more than a quarter") {
+    held.meet(3e-4);
+    CHECK(held.limit == Approx(1.25e-4));
+  }
+  SECTION("it grows to the shortest that was met") {
+    held.meet(1.1e-4);
+    CHECK(held.limit == 1.1e-4);
+  }
+  SECTION("it starts to wait again when it is met") {
+    held.meet(1e-4);
+    for (int s = 1; s < held.patience; ++s) held.meet(3e-4);
+    CHECK(held.limit == 1e-4);
+  }
+}
+
+TEST_CASE("substeps rise at once and fall after a while", "[scene][time_step]") {
+  auto run = two_cubes(0);
+  double const h = 3.5 * run.suggest_dt(1);
+  auto const substeps = [&](std::int64_t env) {
+    return run.state().get<environment::Substeps>(env);
+  };
+  run.step(h);
+  CHECK(substeps(0) == 2);
+  CHECK(substeps(1) == 4);
+  run.set<NeoHookean>(1, lame(9e4, 0.3));
+  run.step(h);
+  CHECK(substeps(1) == 6);  // 3.5 sqrt(9/4)
+  run.set<NeoHookean>(1, lame(4e4, 0.3));
+  for (int s = 1; s < HeldLimit<double>::patience; ++s) run.step(h);
+  CHECK(substeps(1) == 6);
+  run.step(h);
+  CHECK(substeps(1) == 5);  // a quarter longer
+  for (int s = 0; s < HeldLimit<double>::patience; ++s) run.step(h);
+  CHECK(substeps(1) == 4);
+  CHECK(substeps(0) == 2);
+  run.step(1e-3 * h);  // a short step does not shorten the substeps of the next one
+  CHECK(substeps(1) == 1);
+  run.step(h);
+  CHECK(substeps(1) == 4);
+}

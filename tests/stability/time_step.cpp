@@ -135,7 +135,7 @@ TEST_CASE("no particle turns over while the block implodes", "[stability][B3]") 
   auto const [least, automatic] = implode(0);
   CAPTURE(least, automatic);
   CHECK(least > 0);
-  CHECK(automatic == 0);
+  CHECK(automatic == std::uint32_t(Fault::fracture));  // it flies apart again
 }
 
 namespace {
@@ -173,7 +173,8 @@ TEST_CASE("the limit follows stretch and is written down", "[stability][B3]") {
   CHECK(shortest <= (1 + 1e-9) * time_step_safety * at_rest / mpmpbd::sqrt(stiffer));
   CHECK(longest > 0.95 * time_step_safety * at_rest);
   CHECK(most <= (1 + 1e-3) * start);
-  CHECK(block.run.status(0) == 0);
+  // At twice their distance its particles lie a cell apart.
+  CHECK(block.run.status(0) == std::uint32_t(Fault::fracture));
 
   // The limit at rest is no limit here, and that is said.
   auto unaware = stretched<Default>({.low = vec(5.13, 4.27, 4.41), .nodes = {{14, 12, 12}}});
@@ -227,4 +228,23 @@ TEST_CASE("a step that follows the swings of a lone particle feeds them",
   CAPTURE(steady, following);
   CHECK(steady < 1.05);  // 1.035, of the measure in large strains
   CHECK(following > 1.2);
+}
+
+// So chosen substeps do not follow it (scene/held_limit.hpp). All six of these rows did, and ended in NaN.
+TEST_CASE("substeps that are chosen do not feed the swings of a lone particle", "[stability][B3]") {
+  for (double const strain : {0.3, 0.6})
+    for (double const limits : {1.5, 4.3, 20.0}) {
+      Block<Default> one({.cells = {{1, 1, 1}}, .nodes = {{9, 9, 9}}, .per_axis = 1, .substeps = 0},
+                         tissue);
+      Mat3<double> const L{{1, 0.33, 0.17, 0.33, -0.83, 0.67, 0.17, 0.67, 0.33}};
+      one.stir({}, strain / one.limit() * L);
+      double const h = limits * one.limit(), start = one.sums().energy();
+      double most = start;
+      for (int s = 0; s * limits < 1e4; ++s) {
+        one.run.step(h);
+        most = max(most, one.sums().energy());
+      }
+      CAPTURE(strain, limits, most / start, one.run.status(0));
+      CHECK(most < 10 * start);
+    }
 }

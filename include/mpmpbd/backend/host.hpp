@@ -6,6 +6,7 @@
 #include <mpmpbd/backend/grid.hpp>
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/coupling/team.hpp>
+#include <mpmpbd/mpm/fracture.hpp>
 #include <mpmpbd/mpm/time_step.hpp>
 #include <mpmpbd/needle/fields.hpp>
 #include <mpmpbd/pbd/access.hpp>
@@ -73,7 +74,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     return faults;
   }
 
-  // Maxima that bound the time step; not_finite when a particle is already lost.
+  // Maxima that bound the time step, and the faults of the state as it is: a particle that is lost or torn off.
   StepBounds<T> bounds(std::uint32_t& faults) {
     auto& of_chunk = work_.bounds;
     of_chunk.assign(static_cast<std::size_t>(chunks()), {});
@@ -91,12 +92,16 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
           p.load(view, index, Read{});
           auto one = step_bounds<Body>(p, context_.template of<typename Body::Material>());
           include_damping(one, p, Damped{});
-          if (!is_finite(one.frequency2 + one.damping + one.speed + one.rate +
-                         dot(p[particle::Position{}], p[particle::Position{}])))
-            work_.faults[static_cast<std::size_t>(c)] |=
-                static_cast<std::uint32_t>(Fault::not_finite);
+          bool const lost = !is_finite(one.frequency2 + one.damping + one.speed + one.rate +
+                                       dot(p[particle::Position{}], p[particle::Position{}]));
+          auto& met = work_.faults[static_cast<std::size_t>(c)];
+          if (lost)
+            met |= static_cast<std::uint32_t>(Fault::not_finite);
           else
             b.include(one);
+          if constexpr (contains<Used, particle::Deformation>)
+            if (!lost && is_torn(p, context_.lattice.dx))
+              met |= static_cast<std::uint32_t>(Fault::fracture);
         });
       });
     }

@@ -16,7 +16,7 @@ enum class Fault : std::uint32_t {
   escape = 1u << 3,       // a particle reached the border of the domain and was held there
   speed = 1u << 4,        // something moved more than one cell in a substep
   overflow = 1u << 5,     // a capacity was exceeded; the item was left out
-  fracture = 1u << 6,     // particles were pulled apart beyond the support of the shape function
+  fracture = 1u << 6,     // tissue was stretched so far that its particles part (mpm/fracture.hpp)
   dimple = 1u << 7,       // the tip pressed deeper than 1.5 cells without reaching its threshold
   penetration = 1u << 8,  // a point sank more than half a cell without a puncture
   solver = 1u << 9,       // a direct solve met a singular matrix and left its unknowns unchanged
@@ -35,7 +35,8 @@ inline constexpr std::array<FaultInfo, 10> fault_table{{
     {Fault::escape, "escape", "a particle reached the border of the domain and was held there"},
     {Fault::speed, "speed", "something moved more than one cell in a substep"},
     {Fault::overflow, "overflow", "a capacity was exceeded; the item was left out"},
-    {Fault::fracture, "fracture", "particles were pulled apart beyond the shape function"},
+    {Fault::fracture, "fracture",
+     "tissue was stretched until its particles lay a cell apart, and parts there"},
     {Fault::dimple, "dimple", "the tip pressed deeper than 1.5 cells without puncture"},
     {Fault::penetration, "penetration", "a point sank more than half a cell without puncture"},
     {Fault::solver, "solver", "a direct solve met a singular matrix"},
@@ -70,6 +71,9 @@ struct Substeps : Field<"substeps", "1", Integer, Environments> {};  // taken in
 struct Dt : Field<"dt", "s", Number, Environments> {};               // last substep length
 struct DtLimit : Field<"dt_limit", "s", Number, Environments> {};   // stable limit at the last step
 struct DtBound : Field<"dt_bound", "1", Integer, Environments> {};  // a StepBound: what set it
+// What substeps that are chosen hold on to (scene/held_limit.hpp): limit and longer [s]; calm steps.
+struct HeldLimits : Field<"held_limits", "s", Numbers<2>, Environments> {};
+struct CalmSteps : Field<"calm_steps", "1", Integer, Environments> {};
 struct Seed : Field<"seed", "1", Integer, Environments> {};
 struct Episode : Field<"episode", "1", Integer, Environments> {};  // resets so far
 }  // namespace environment

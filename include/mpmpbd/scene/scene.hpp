@@ -124,7 +124,8 @@ struct SceneParts {
 using EnvironmentFields =
     Fields<environment::Status, environment::FaultCount, environment::Step, environment::Time,
            environment::Substeps, environment::Dt, environment::DtLimit, environment::DtBound,
-           environment::Seed, environment::Episode>;
+           environment::HeldLimits, environment::CalmSteps, environment::Seed,
+           environment::Episode>;
 
 template <class... Parts> struct Scene {
   static_assert(

@@ -9,6 +9,7 @@
 
 #include <mpmpbd/backend/host.hpp>
 #include <mpmpbd/mpm/time_step.hpp>
+#include <mpmpbd/scene/held_limit.hpp>
 
 namespace mpmpbd {
 
@@ -215,10 +216,19 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
       limit = step_limit<typename Scene::Body>(run.bounds(faults), lattice_.dx);
     state_.template set<environment::DtLimit>(env, limit.dt);
     state_.template set<environment::DtBound>(env, static_cast<std::int64_t>(limit.bound));
-    substeps = substeps_of(h, double(limit.dt));
+    substeps = substeps_of(h, double(hold(env, limit)));
     if (too_long(h / substeps, double(limit.dt)))
       faults |= static_cast<std::uint32_t>(Fault::time_step);
     return faults;
+  }
+  // The limit that chosen substeps keep. How fast something moves does not swing with the strain, so it holds nothing.
+  T hold(std::int64_t env, StepLimit<T> const& now) {
+    auto const lengths = state_.template get<environment::HeldLimits>(env);
+    HeldLimit<T> held{lengths[0], lengths[1], state_.template get<environment::CalmSteps>(env)};
+    if (now.bound != StepBound::speed) held.meet(now.dt);
+    state_.template set<environment::HeldLimits>(env, {{held.limit, held.longer}});
+    state_.template set<environment::CalmSteps>(env, held.calm);
+    return held.limit > T(0) ? min(held.limit, now.dt) : now.dt;
   }
   int substeps_of(double h, double suggested) const {
     if (options_.substeps > 0) return options_.substeps;
