@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Draws error against wall time from the table of bench_work_precision.
+"""Draws error against wall time from the table of bench_work_precision, and writes what an error costs.
 
-Usage: bench/plot_work_precision.py TABLE.csv PICTURE.png
+Usage: bench/plot_work_precision.py TABLE.csv PICTURE.png PAGE.md ORIGIN
 """
 import csv
+import math
 import pathlib
 import sys
 
@@ -40,6 +41,59 @@ def front(points):
     return kept
 
 
+def good(points):
+    return [(time, error) for time, error, good in points if good and error > 0]
+
+
+def time_to(points, level):
+    """Wall time to an error [s], between two points on a straight line of logarithms; None if it is not reached."""
+    points = good(points)
+    for i, (time, error) in enumerate(points):
+        if error <= level:
+            if i == 0:
+                return time
+            before, larger = points[i - 1]
+            part = math.log(larger / level) / math.log(larger / error)
+            return before * (time / before) ** part
+    return None
+
+
+def common_level(lines):
+    """The smallest error that every line with good points reaches."""
+    return max(min(error for _, error in good(points)) for points in lines.values() if good(points))
+
+
+def table(lines, title, label):
+    """A row per policy: what the common error costs, and the least error that it reaches."""
+    level = common_level(lines)
+    times = {policy: time_to(points, level) for policy, points in lines.items()}
+    cheapest = min(time for time in times.values() if time is not None)
+    yield f"## {title[0].upper()}{title[1:]}\n"
+    yield f"Error: {label}. Every policy without a fault reaches {level:.2g}; the cheapest in {cheapest:.2g} s.\n"
+    yield f"| policy | time to {level:.2g} | least error | in s |"
+    yield "|---|---|---|---|"
+    for policy in sorted(lines, key=lambda p: times[p] if times[p] is not None else math.inf):
+        points = good(lines[policy])
+        if not points:
+            yield f"| {policy} | a fault, or energy gained, at every point | | |"
+            continue
+        time, error = min(points, key=lambda point: point[1])
+        ratio = f"{times[policy] / cheapest:.2f}"
+        yield f"| {policy} | {ratio} | {error:.2g} | {time:.2g} |"
+    yield ""
+
+
+def page(rows, origin):
+    yield "# What accuracy costs\n"
+    yield "Error against wall time, the same physics for every policy. Written by `scripts/verification.sh --cost` at"
+    yield f"{origin}, double, one thread, the fastest of three runs. All points: [work_precision.csv](work_precision.csv).\n"
+    yield "![error against wall time](../images/work_precision.png)\n"
+    yield "Grey: points that no other one beats in both. Crosses: a fault on the way, or energy gained. Times are relative to the"
+    yield "cheapest policy of a table; between two points they are interpolated.\n"
+    for problem, step, title, label in PANELS:
+        yield from table(lines_of(rows, problem, step), title, label)
+
+
 def draw(axes, lines, title, label):
     for policy, points in lines.items():
         solid = [p for p in points if p[2] and p[1] > 0]
@@ -55,14 +109,15 @@ def draw(axes, lines, title, label):
 
 
 def main():
-    table, picture = map(pathlib.Path, sys.argv[1:3])
-    with table.open(newline="") as file:
+    measured, picture, written = map(pathlib.Path, sys.argv[1:4])
+    with measured.open(newline="") as file:
         rows = list(csv.DictReader(file))
     figure, grid = plt.subplots(2, 2, figsize=(13, 10), dpi=110)
     for axes, (problem, step, title, label) in zip(grid.flat, PANELS):
         draw(axes, lines_of(rows, problem, step), title, label)
     figure.tight_layout()
     figure.savefig(picture)
+    written.write_text("\n".join(page(rows, sys.argv[4])))
 
 
 if __name__ == "__main__":

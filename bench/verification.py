@@ -163,6 +163,12 @@ def programs(build, known, with_long):
             yield Program(f"{folder}/{stem}", path, source, header)
 
 
+def expected_seconds(source):
+    """What the file says about its time ("// seconds: 40"), as ctest is told too."""
+    hint = re.search(r"^// seconds: (\d+)", source.read_text(), re.MULTILINE)
+    return int(hint.group(1)) if hint else 0
+
+
 def read_cases():
     with (ROOT / "bench" / "verification_cases.csv").open(newline="") as file:
         return {row["id"]: row for row in csv.DictReader(file)}
@@ -250,7 +256,8 @@ def main():
         cases = {i: cases[i] for i in options.only}
     found = list(programs(options.build.resolve(), set(cases), options.long))
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for program in pool.map(Program.run, found):
+        longest_first = sorted(found, key=lambda p: -expected_seconds(p.source))
+        for program in pool.map(Program.run, longest_first):
             verdict = "passed" if program.status == 0 else "FAILED"
             print(f"{program.name}: {sum(program.seconds.values()):.1f} s, {verdict}", flush=True)
     options.out.mkdir(parents=True, exist_ok=True)

@@ -26,7 +26,7 @@ case ${1:-} in
     set_up demo bench_work_precision
     step "measure" "$build/bench/bench_work_precision" "$results/work_precision.csv"
     step "draw" "$(python_with_matplotlib)" bench/plot_work_precision.py \
-      "$results/work_precision.csv" docs/images/work_precision.png
+      "$results/work_precision.csv" docs/images/work_precision.png "$results/work_precision.md" "$origin"
     ;;
   --independent)
     set_up test bench_independent

@@ -1,4 +1,5 @@
 // A2.10 with 16 cells per radius (2.1 million particles): exponent within 0.05, stiffness within 10 %. See hertz.hpp.
+// seconds: 600
 #include "physics/hertz.hpp"
 
 using namespace test;
