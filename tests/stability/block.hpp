@@ -54,11 +54,6 @@ struct Sums : Totals {
   double energy() const { return Totals::energy() + potential; }
 };
 
-// The faults met but that of stretch, which tissue that is let go from any shape may well report.
-inline std::uint32_t but_fracture(std::uint32_t status) {
-  return status & ~static_cast<std::uint32_t>(Fault::fracture);
-}
-
 template <class Scene_, class T = double, class Backend = Serial> struct Block {
   using Body = typename Scene_::Body;
   using Material = typename Body::Material;

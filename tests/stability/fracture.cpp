@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include <mpmpbd/effects/pinned_region.hpp>
+#include <mpmpbd/effects/stretch_limit.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/mpm/materials/stable_neo_hookean.hpp>
 
@@ -47,7 +48,8 @@ TEST_CASE("particles feel each other up to two cells, and not beyond three", "[s
 namespace {
 
 template <class... Policies>
-struct Pulled : Scene<Mpm<StableNeoHookean, Policies...>, PinnedRegion, DrivenRegion> {};
+struct Pulled
+    : Scene<Mpm<StableNeoHookean, Policies...>, StretchLimit, PinnedRegion, DrivenRegion> {};
 
 // A bar of 8 x 2 x 2 cells along x, held at one end and drawn at the other with a share of the speed of sqrt(E / rho).
 template <class Scene_> struct Bar {
@@ -61,6 +63,7 @@ template <class Scene_> struct Bar {
   double grip = 11;  // from here on the bar is drawn [cells]
 
   void hold(bool held) {
+    block.run.template set<StretchLimit>(StretchLimit::of(block.c.spacing(), block.c.cell));
     double const dx = block.c.cell, far = 1e3 * dx, off = held ? 0 : far;
     block.run.template set<PinnedRegion>({{-far, -far, -far}, {5 * dx - off, far, far}});
     block.run.template set<DrivenRegion>(

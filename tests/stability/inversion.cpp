@@ -52,7 +52,7 @@ template <class B> void let_go(B& block, double transits) {
     time += h;
   }
   CAPTURE(most / start.energy());
-  CHECK(but_fracture(block.run.status(0)) == 0);
+  CHECK(block.run.status(0) == 0);
   CHECK(block.sums().finite);
   CHECK(most <= (1 + 1e-3) * start.energy());
 }
@@ -128,7 +128,7 @@ TEST_CASE("a logarithm of an inverted volume is reported, that of a small one is
   auto block = block_of<NeoHookean>(4);
   turn_inside_out(block, 0.3);
   block.run.step(block.run.suggest_dt(0));
-  CHECK(but_fracture(block.run.status(0)) == static_cast<std::uint32_t>(Fault::inversion));
+  CHECK(block.run.status(0) == static_cast<std::uint32_t>(Fault::inversion));
   CHECK(block.sums().finite);
 
   auto const k = lame(E, nu);

@@ -159,7 +159,7 @@ template <class C> void check_scene(std::uint64_t seed, Held const& held) {
   CHECK(held.finite);
   CHECK(held.inside);
   if (C::is_free) CHECK(held.momentum <= (sizeof(typename C::Scalar) == 4 ? 2e-5 : 1e-12));
-  if (but_fracture(held.status) != 0) return;
+  if (held.status != 0) return;
   // A relaxed stress has given away energy that the material still counts.
   auto const gain = [](Held const& h) { return C::template has<Prony<1>> ? h.loose : h.gain; };
   // In large strains a long step swings about the energy that it keeps, by 6 % at most here; that falls with
@@ -177,7 +177,7 @@ template <class... Cs> void check(TypeList<Cs...>, int scenes) {
       if (seed % static_cast<int>(sizeof...(Cs)) != row++) return;
       auto const held = play<C>(static_cast<std::uint64_t>(seed));
       check_scene<C>(static_cast<std::uint64_t>(seed), held);
-      reported += but_fracture(held.status) != 0;
+      reported += held.status != 0;
     };
     (one(std::type_identity<Cs>{}), ...);
   }

@@ -135,7 +135,7 @@ TEST_CASE("no particle turns over while the block implodes", "[stability][B3]") 
   auto const [least, automatic] = implode(0);
   CAPTURE(least, automatic);
   CHECK(least > 0);
-  CHECK(automatic == std::uint32_t(Fault::fracture));  // it flies apart again
+  CHECK(automatic == 0);
 }
 
 namespace {
@@ -173,8 +173,7 @@ TEST_CASE("the limit follows stretch and is written down", "[stability][B3]") {
   CHECK(shortest <= (1 + 1e-9) * time_step_safety * at_rest / mpmpbd::sqrt(stiffer));
   CHECK(longest > 0.95 * time_step_safety * at_rest);
   CHECK(most <= (1 + 1e-3) * start);
-  // At twice their distance its particles lie a cell apart.
-  CHECK(block.run.status(0) == std::uint32_t(Fault::fracture));
+  CHECK(block.run.status(0) == 0);
 
   // The limit at rest is no limit here, and that is said.
   auto unaware = stretched<Default>({.low = vec(5.13, 4.27, 4.41), .nodes = {{14, 12, 12}}});
@@ -240,11 +239,16 @@ TEST_CASE("substeps that are chosen do not feed the swings of a lone particle", 
       one.stir({}, strain / one.limit() * L);
       double const h = limits * one.limit(), start = one.sums().energy();
       double most = start;
+      bool finite = true;
       for (int s = 0; s * limits < 1e4; ++s) {
         one.run.step(h);
-        most = max(most, one.sums().energy());
+        auto const now = one.sums();
+        most = max(most, now.energy());
+        finite = finite && now.finite;
       }
-      CAPTURE(strain, limits, most / start, one.run.status(0));
+      CAPTURE(strain, limits, most / start);
+      CHECK(finite);
+      CHECK(one.run.status(0) == 0);
       CHECK(most < 10 * start);
     }
 }

@@ -6,7 +6,6 @@
 #include <mpmpbd/backend/grid.hpp>
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/coupling/team.hpp>
-#include <mpmpbd/mpm/fracture.hpp>
 #include <mpmpbd/mpm/time_step.hpp>
 #include <mpmpbd/needle/fields.hpp>
 #include <mpmpbd/pbd/access.hpp>
@@ -74,15 +73,15 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     return faults;
   }
 
-  // Maxima that bound the time step, and the faults of the state as it is: a particle that is lost or torn off.
+  // Maxima that bound the time step, and the faults of the state as it is; not_finite when a particle is already lost.
   StepBounds<T> bounds(std::uint32_t& faults) {
     auto& of_chunk = work_.bounds;
     of_chunk.assign(static_cast<std::size_t>(chunks()), {});
     if constexpr (Scene::has_body) {
       using Body = typename Scene::Body;
-      using Damped = in_slot_t<Slot::before_scatter, typename Scene::Effects>;
+      using Watching = in_slot_t<Slot::before_scatter, typename Scene::Effects>;
       using Used = union_t<typename Body::Material::Reads, typename Scatter<Body>::Reads,
-                           typename detail::ReadsOf<Damped>::type>;
+                           typename detail::ReadsOf<Watching>::type>;
       using Read = stored_t<on_t<Used, Particles>>;
       auto const view = state_.template view<Particles>();
       lanes_.for_each(chunks(), [&](std::int64_t c, int) {
@@ -91,17 +90,15 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
           Local<T, Used> p;
           p.load(view, index, Read{});
           auto one = step_bounds<Body>(p, context_.template of<typename Body::Material>());
-          include_damping(one, p, Damped{});
-          bool const lost = !is_finite(one.frequency2 + one.damping + one.speed + one.rate +
-                                       dot(p[particle::Position{}], p[particle::Position{}]));
+          include_damping(one, p, Watching{});
           auto& met = work_.faults[static_cast<std::size_t>(c)];
-          if (lost)
+          if (!is_finite(one.frequency2 + one.damping + one.speed + one.rate +
+                         dot(p[particle::Position{}], p[particle::Position{}]))) {
             met |= static_cast<std::uint32_t>(Fault::not_finite);
-          else
+          } else {
+            met |= seen(p, Watching{});
             b.include(one);
-          if constexpr (contains<Used, particle::Deformation>)
-            if (!lost && is_torn(p, context_.lattice.dx))
-              met |= static_cast<std::uint32_t>(Fault::fracture);
+          }
         });
       });
     }
@@ -141,6 +138,18 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
                      p[particle::Volume{}] / p[particle::Mass{}];
     };
     (one(std::type_identity<Es>{}), ...);
+  }
+
+  // What effects with `faults(p, k)` see.
+  template <class P, class... Es>
+  std::uint32_t seen([[maybe_unused]] P const& p, TypeList<Es...>) const {
+    [[maybe_unused]] auto const one = [&]<class E>(std::type_identity<E>) -> std::uint32_t {
+      if constexpr (requires { E::faults(p, context_.template of<parameter_owner_t<E>>()); })
+        return E::faults(p, context_.template of<parameter_owner_t<E>>());
+      else
+        return 0;
+    };
+    return (one(std::type_identity<Es>{}) | ... | 0u);
   }
 
   std::int64_t chunks() const { return (live_ + chunk_size - 1) / chunk_size; }

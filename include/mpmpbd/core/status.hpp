@@ -10,14 +10,14 @@
 namespace mpmpbd {
 
 enum class Fault : std::uint32_t {
-  time_step = 1u << 0,    // a substep was longer than its stability limit
-  not_finite = 1u << 1,   // a NaN or infinity appeared; the environment is frozen
-  inversion = 1u << 2,    // a material that needs det F > 0 met det F <= 0
-  escape = 1u << 3,       // a particle reached the border of the domain and was held there
-  speed = 1u << 4,        // something moved more than one cell in a substep
-  overflow = 1u << 5,     // a capacity was exceeded; the item was left out
-  fracture = 1u << 6,     // tissue was stretched so far that its particles part (mpm/fracture.hpp)
-  dimple = 1u << 7,       // the tip pressed deeper than 1.5 cells without reaching its threshold
+  time_step = 1u << 0,   // a substep was longer than its stability limit
+  not_finite = 1u << 1,  // a NaN or infinity appeared; the environment is frozen
+  inversion = 1u << 2,   // a material that needs det F > 0 met det F <= 0
+  escape = 1u << 3,      // a particle reached the border of the domain and was held there
+  speed = 1u << 4,       // something moved more than one cell in a substep
+  overflow = 1u << 5,    // a capacity was exceeded; the item was left out
+  fracture = 1u << 6,  // tissue was stretched so far that its particles part (effect StretchLimit)
+  dimple = 1u << 7,    // the tip pressed deeper than 1.5 cells without reaching its threshold
   penetration = 1u << 8,  // a point sank more than half a cell without a puncture
   solver = 1u << 9,       // a direct solve met a singular matrix and left its unknowns unchanged
 };
@@ -36,7 +36,7 @@ inline constexpr std::array<FaultInfo, 10> fault_table{{
     {Fault::speed, "speed", "something moved more than one cell in a substep"},
     {Fault::overflow, "overflow", "a capacity was exceeded; the item was left out"},
     {Fault::fracture, "fracture",
-     "tissue was stretched until its particles lay a cell apart, and parts there"},
+     "tissue was stretched beyond the limit that its particles can tell"},
     {Fault::dimple, "dimple", "the tip pressed deeper than 1.5 cells without puncture"},
     {Fault::penetration, "penetration", "a point sank more than half a cell without puncture"},
     {Fault::solver, "solver", "a direct solve met a singular matrix"},
