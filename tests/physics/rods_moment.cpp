@@ -36,6 +36,7 @@ TEST_CASE("A3.6: a moment bends a rod into an arc", "[bend][frames][physics]") {
   CAPTURE(tip[0], tip[1]);
   CHECK(tip[0] == Approx(2 / pi<double>).epsilon(2e-3));
   CHECK(tip[1] == Approx(2 / pi<double>).epsilon(2e-3));
+  CHECK(std::abs(tip[2]) < 2e-3);
 }
 
 // The same, led: the last frame turns to where the moment would hold it, and the moment is read from the joints. (A

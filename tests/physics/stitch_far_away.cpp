@@ -36,6 +36,7 @@ TEST_CASE("B8: a stitch is the same 4096 cells away", "[stability][translation]"
     CAPTURE(last, far.tissue, far.strain, far.thread, far.force, far.tension, shake.tissue,
             shake.strain, shake.thread, shake.force, shake.tension);
     REQUIRE(a.status(0) == b.status(0));
+    REQUIRE_FALSE(has(a.status(0), Fault::not_finite));
     if (last == 10) CHECK(far.most() < 1e-8);
     CHECK(far.tissue < 1e-9 + 10 * shake.tissue);
     CHECK(far.strain < 1e-9 + 10 * shake.strain);

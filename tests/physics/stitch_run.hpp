@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,9 @@ struct StitchDifference {
       auto const x = a.state().template get<F>(0, i), y = b.state().template get<F>(0, i);
       for (int c = 0; c < F::components; ++c) {
         double const moved = component(y, c) - (c < 3 ? shift[c] : 0.0);
-        most = std::max(most, std::abs(component(x, c) - moved));
+        double const apart = std::abs(component(x, c) - moved);
+        if (!mpmpbd::is_finite(apart)) return std::numeric_limits<double>::infinity();
+        most = std::max(most, apart);
         largest = std::max(largest, std::abs(component(x, c)));
       }
     }

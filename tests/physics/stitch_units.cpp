@@ -84,6 +84,7 @@ TEMPLATE_TEST_CASE("B7: a stitch is the same in metres and in millimetres", "[st
     CAPTURE(to, units.tissue, units.strain, units.thread, units.force, units.tension, shake.tissue,
             shake.strain, shake.thread, shake.force, shake.tension);
     REQUIRE(both.metres.status(0) == both.millimetres.status(0));
+    REQUIRE_FALSE(has(both.metres.status(0), Fault::not_finite));
     if (from == 0) {
       CHECK(units.tissue < allowed);
       CHECK(units.strain < allowed);
