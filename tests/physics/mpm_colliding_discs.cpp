@@ -15,7 +15,8 @@ template <class... Policies> using Quadratic = Mpm<NeoHookean, QuadraticBSpline,
 
 template <class Body> DiscOutcome collide(int cells) {
   auto const o = Discs<Body>(cells).collide();
-  CAPTURE(Body::Transfer::name.view(), Body::Form::name.view(), cells, o.kinetic, o.least, o.when);
+  CAPTURE(Body::Transfer::name.view(), Body::Form::name.view(), cells, o.kinetic, o.least, o.when,
+          o.most);
   // 2 pi R^2 rho v^2 / 2. The edge is made of squares: 3.5 % and 1 % more at 20 and 40 cells.
   CHECK_THAT(o.start, WithinRel(2.513274, 0.04));
   CHECK(o.status == 0);
