@@ -226,20 +226,20 @@ TEST_CASE("the work of a needle is stored in the gel or lost to friction",
           "[coupling][embedded][reaction][energy]") {
   Rod<double> rod;
   Work w;
-  auto check = [&] {
-    double const stored = gel_energy(rod.run, 0), lost = w.needle - w.gel;
-    CAPTURE(w.needle, w.gel, stored, lost, w.least_loss);
-    CHECK(std::abs(w.needle - stored - lost) < 0.02 * w.needle);
-    CHECK(w.least_loss > -1e-9 * w.needle);
-  };
   double const far = 1.5 * gel_cell;
+  // Drawn along itself: nearly all is lost to friction and drag, and no exchange gives energy.
   move(rod, vec(1.0, 0.0, 0.0), 1.5, 0.02, w);
-  check();
+  CHECK(w.least_loss > -1e-9 * w.needle);
   double const expected =
       Rod<double>::length *
       (0.2 * 2e3 * 2 * pi<double> * Rod<double>::wire * far + 2.0 * w.square_of_speed);
   CAPTURE(w.needle - w.gel, expected);
   CHECK(std::abs((w.needle - w.gel) / expected - 1) < 0.02);
+  // Pushed aside: what arrives in the gel stays there.
   move(rod, vec(0.0, 0.0, 1.0), 0.5, 0.01, w);
-  check();
+  double const stored = gel_energy(rod.run, 0);
+  CAPTURE(w.needle, w.gel, stored, w.least_loss);
+  CHECK(std::abs(w.gel - stored) < 0.02 * w.gel);  // measured 0.011
+  CHECK(w.gel > 0.5 * w.needle);
+  CHECK(w.least_loss > -1e-9 * w.needle);
 }
