@@ -1,4 +1,4 @@
-// What the reference scheme does wrong, in numbers (B19, B20, A4.8). These are expected values: they
+// What the reference scheme does wrong, in numbers (B19, A4.8). These are expected values: they
 // document the scheme. Embedded's own tests demand the opposite.
 #include <mpmpbd/coupling/grid_projection.hpp>
 #include <mpmpbd/testing/coupling_laws.hpp>
@@ -175,57 +175,5 @@ TEST_CASE("places of a thread in a cell from which no node is reached", "[coupli
     CHECK(mean == Approx(pi<double> * row.radius * row.radius / 2).epsilon(0.01));
     CHECK(none == Approx(row.none).margin(0.003));
     CHECK(variation == Approx(row.variation).epsilon(0.02));
-  }
-}
-
-namespace {
-
-// N nodes of mass 100 that move past one body of mass 1, all of them in contact with it at once: every
-// contact takes its slip away as if it were alone (unsplit), or with the body's mass split among the N.
-// Returns the energy after some steps, relative.
-double jacobi(int n, int steps, bool split) {
-  double const m = 0.02, s = m / 100;  // [kg]
-  std::vector<double> u(static_cast<std::size_t>(n), 0.3);
-  double v = 0;
-  auto const energy = [&] {
-    double e = 0.5 * s * v * v;
-    for (double const w : u) e += 0.5 * m * w * w;
-    return e;
-  };
-  double const start = energy();
-  for (int k = 0; k < steps; ++k) {
-    double const yields = 1 / m + (split ? n : 1) / s;
-    double total = 0;
-    for (double& w : u) {
-      double const J = (w - v) / yields;
-      w -= J / m;
-      total += J;
-    }
-    v += total / s;
-  }
-  return energy() / start;
-}
-
-}  // namespace
-
-// With slip d the unsplit step is d' = (1 - (N m_g + m_s)/(m_g + m_s)) d. The energy is that of the common
-// motion, N m_g/(N m_g + m_s) of the start, plus 1/(N m_g/m_s + 1) (d/d0)^2 of it; split, d is 0 at once.
-TEST_CASE("contacts that act at once without splitting (B20)", "[coupling][reference]") {
-  struct Row {
-    int n;
-    double unsplit, split;  // of verification.md; 0: not given there
-  };
-  for (Row const& row : {Row{1, 0, 0}, Row{2, 0, 0}, Row{3, 13, 0.9967}, Row{8, 1.5e7, 0.9987},
-                         Row{27, 3e13, 0.9996}, Row{81, 0, 0}}) {
-    double const N = row.n, factor = 1 - (100 * N + 1) / 101;
-    double const rest = 100 * N / (100 * N + 1), relative = 1 / (100 * N + 1);
-    double const unsplit = jacobi(row.n, 6, false), split = jacobi(row.n, 6, true);
-    CAPTURE(row.n, unsplit, split);
-    CHECK(unsplit == Approx(rest + relative * std::pow(factor, 12)).epsilon(1e-9));
-    CHECK(split == Approx(rest).epsilon(1e-9));
-    CHECK(split <= 1.0);
-    CHECK((unsplit > 1.0) == (row.n > 2));
-    if (row.unsplit > 0) CHECK(unsplit == Approx(row.unsplit).epsilon(0.07));
-    if (row.split > 0) CHECK(split == Approx(row.split).margin(1e-4));
   }
 }
