@@ -14,6 +14,7 @@ TEMPLATE_TEST_CASE("a thread of any mass is still in its place after 10,000 step
     CHECK(r.energy_rise < 1e-3);
     CHECK(r.momentum_error < (sizeof(TestType) == 4 ? 2e-5 : 1e-12));
     CHECK(r.slip < 0.05);
+    CHECK(r.energy_left < 0.5);
     CHECK(r.status == 0);
   }
 }
