@@ -271,8 +271,8 @@ TEMPLATE_TEST_CASE("parameters per particle give what parameters per environment
   CHECK_THROWS_WITH(Wrapped::pack<T>({k, T(-4e3), T(1.7)}), Catch::Contains("k1"));
 }
 
-TEST_CASE("parameters out of bounds are refused by name and value", "[material][parameters]") {
-  // B13. Bounds are those of each number; nu = 0.5 and beyond is refused where moduli are made.
+TEST_CASE("parameters out of bounds are refused by name and value", "[material][parameters][B13]") {
+  // Bounds are those of each number; nu = 0.5 and beyond is refused where moduli are made.
   double const nan = std::numeric_limits<double>::quiet_NaN();
   double const inf = std::numeric_limits<double>::infinity();
   for (double const bad : {0.5, 0.7, -1.0, -0.1, nan, inf})

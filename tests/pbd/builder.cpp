@@ -107,7 +107,7 @@ TEST_CASE("instances are stored colour by colour", "[constraint][builder]") {
   CHECK(end == std::vector<std::int64_t>{4, 4, 4, 4, 7, 7, 7});
 }
 
-TEST_CASE("bad rods are refused with name, value and bound", "[constraint][builder]") {
+TEST_CASE("bad rods are refused with name, value and bound", "[constraint][builder][B13]") {
   RodAssembly<Body> rod;
   auto const line = straight({{0, 0, 0}}, {{0.02, 0, 0}}, 4);
   CHECK_THROWS_WITH(add_thread(rod, line, RodMaterial{2e9, 0.0, 1140}),

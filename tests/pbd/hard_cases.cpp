@@ -1,5 +1,5 @@
 // seconds: 15
-// B22-B24, B26, B27 of verification.md, and B13 for rods: what must stay finite, and how.
+// B22, B23, B24, B26, B27 of verification.md: what must stay finite, and how.
 #include "catch.hpp"
 #include "pbd/rig.hpp"
 
