@@ -131,6 +131,66 @@ TEST_CASE("suturing environments in contact do not know of each other", "[scene]
   }
 }
 
+namespace {
+using Driven = Simulation<Suturing, Serial, float>;
+
+// A fresh run with the state of another, whose work memory has seen nothing of it.
+Driven resumed(Driven const& from) {
+  Driven fresh(from.options());
+  fresh.restore(from.state());
+  return fresh;
+}
+void check_same_ahead(Driven& changed, Driven& fresh, double h) {
+  for (int s = 0; s < 3; ++s) {
+    changed.step(h);
+    fresh.step(h);
+  }
+  CHECK(changed.status(0) == fresh.status(0));
+  CHECK(testing::same_bits(changed.state(), 0, fresh.state(), 0));
+}
+Driven stepped(testing::BatchProbe<Suturing, float, Drive> const& probe,
+               testing::BatchCase<Drive> const& c, int steps) {
+  auto run = probe.make({1});
+  for (int s = 0; s < steps; ++s) run.step(c.step);
+  return run;
+}
+}  // namespace
+
+// Set halfway, in contact: what the old values left behind may be state, and nothing else.
+TEST_CASE("friction that changes in contact is that of a fresh build", "[scene][B44]") {
+  auto const c = driven(1);
+  testing::BatchProbe<Suturing, float, Drive> const probe(c);
+  for (double const mu : {0.0, 0.45}) {
+    auto run = stepped(probe, c, 12);
+    REQUIRE(norm(run.state().get<needle::Force>(0)) > 1.0f);
+    auto unchanged = run;
+    auto fresh = resumed(run);
+    for (auto* r : {&fresh, &run}) r->set<Friction>({mu, small_config().contact.clamp_pressure});
+    check_same_ahead(run, fresh, c.step);
+    for (int s = 0; s < 3; ++s) unchanged.step(c.step);
+    CHECK_FALSE(testing::same_bits(run.state(), 0, unchanged.state(), 0));
+  }
+}
+TEST_CASE("a needle taken out and put back leaves nothing behind", "[scene][B44]") {
+  auto const c = driven(1);
+  testing::BatchProbe<Suturing, float, Drive> const probe(c);
+  auto run = stepped(probe, c, 12);
+  auto const view = run.state().view<Needles>();
+  auto const pose = needle::pose(view, 0);
+  auto const twist = needle::twist(view, 0);
+  for (std::int64_t const needles : {0, 1}) {
+    auto fresh = resumed(run);
+    for (auto* r : {&fresh, &run}) {
+      r->state().table<Needles>().set_live(0, needles);
+      if (needles == 0) continue;
+      needle::set_pose(r->state().view<Needles>(), 0, pose);
+      needle::set_twist(r->state().view<Needles>(), 0, twist);
+    }
+    check_same_ahead(run, fresh, c.step);
+    CHECK(run.status(0) == 0);
+  }
+}
+
 TEST_CASE("a suturing scene in contact goes on from a file bit for bit", "[scene][checkpoint]") {
   auto const c = driven(12);
   testing::BatchProbe<Suturing, double, Drive> const probe(c);
@@ -157,11 +217,29 @@ TEST_CASE("a suturing environment that blows up leaves the others alone", "[scen
     r.state().template set<particle::Velocity>(
         1, 5, vec(std::numeric_limits<float>::infinity(), 0.0f, 0.0f));
   }) == 0.0);
-  // A thread with a NaN bead must not take its environment's neighbours along either.
-  auto r = probe.make({0, 1, 2, 3});
-  r.state().set<bead::Position>(1, 4, vec(std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f));
-  probe.advance(r);
-  CHECK(probe.different(r, {0, -1, 2, 3}) == 0.0);
+}
+
+TEST_CASE("a bead or a needle that is nowhere freezes its environment and no other",
+          "[scene][batch][B41]") {
+  testing::BatchProbe<Suturing, float, Drive> const probe(driven(2));
+  float const nan = std::numeric_limits<float>::quiet_NaN();
+  auto const frozen = [&](auto&& spoil) {
+    auto r = probe.make({0, 1, 2, 3});
+    spoil(r.state());
+    auto const before = r.state();
+    probe.advance(r);
+    CHECK(has(r.status(1), Fault::not_finite));
+    CHECK(probe.different(r, {0, -1, 2, 3}) == 0.0);
+    // Nothing of it has moved, so the tissue is still fit to be looked at.
+    for (std::int64_t p = 0; p < 20; ++p)
+      CHECK(r.state().template get<particle::Position>(1, p) ==
+            before.template get<particle::Position>(1, p));
+  };
+  frozen([&](auto& s) { s.template set<bead::Position>(1, 4, vec(nan, 0.0f, 0.0f)); });
+  frozen([&](auto& s) { s.template set<bead::Velocity>(1, 4, vec(0.0f, 1 / 0.0f, 0.0f)); });
+  frozen([&](auto& s) { s.template set<needle::Position>(1, vec(0.0f, 0.0f, nan)); });
+  frozen([&](auto& s) { s.template set<needle::Orientation>(1, {{nan, 0.0f, 0.0f, 0.0f}}); });
+  frozen([&](auto& s) { s.template set<needle::AngularVelocity>(1, vec(nan, 0.0f, 0.0f)); });
 }
 
 TEST_CASE("effects after the solve act in a coupled scene too", "[scene][effect]") {

@@ -9,6 +9,7 @@
 #include <mpmpbd/mpm/time_step.hpp>
 #include <mpmpbd/needle/fields.hpp>
 #include <mpmpbd/pbd/access.hpp>
+#include <mpmpbd/pbd/fields.hpp>
 #include <mpmpbd/scene/scene.hpp>
 
 namespace mpmpbd {
@@ -68,9 +69,17 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     for_each_type(typename Scene::Substep::Stages{}, [&]<class Stage>(std::type_identity<Stage>) {
       run<Stage>(typename Stage::Kind{});
     });
-    std::uint32_t faults = work_.faults_together;
+    std::uint32_t faults = work_.faults_together | lost_bodies();
     for (auto f : work_.faults) faults |= f;
     return faults;
+  }
+
+  // not_finite where a bead, a frame or a needle has a NaN or an infinity; particles are asked by bounds().
+  std::uint32_t lost_bodies() const {
+    bool const all_finite = finite<bead::Position, bead::Velocity, frame::Orientation,
+                                   frame::AngularVelocity, needle::Position, needle::Orientation,
+                                   needle::LinearVelocity, needle::AngularVelocity>();
+    return all_finite ? 0 : static_cast<std::uint32_t>(Fault::not_finite);
   }
 
   // Maxima that bound the time step, and the faults of the state as it is; not_finite when a particle is already lost.
@@ -112,6 +121,20 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
  private:
   static constexpr bool needs_previous =
       contains<typename Scene::NodeFields, node::PreviousVelocity>;
+
+  template <class... Fs> bool finite() const { return (finite_field<Fs>() && ...); }
+  template <class F> bool finite_field() const {
+    bool all = true;
+    if constexpr (contains<typename Store::List, F>) {
+      auto const view = state_.template view<typename F::Domain>();
+      std::int64_t const live = state_.template table<typename F::Domain>().live(env_);
+      for (int c = 0; c < F::components; ++c) {
+        T const* const of = view.template plane<F>(c) + env_ * view.capacity;
+        for (std::int64_t slot = 0; slot < live; ++slot) all = all && is_finite(of[slot]);
+      }
+    }
+    return all;
+  }
 
   // A needle may be told to move faster than any particle does, and must not pass through tissue between
   // two substeps. An upper bound of the speed of its points [m/s].

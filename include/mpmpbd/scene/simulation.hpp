@@ -159,7 +159,7 @@ template <class Scene_, class Backend = Serial, class T = float> class Simulatio
     };
     HostEnvironment<Scene, T, Lanes> run(state_, env, context_of(env), work, lanes);
     int substeps = 0;
-    meet(hold_particles(env));
+    meet(hold_particles(env) | run.lost_bodies());
     meet(choose_substeps(run, env, h, substeps));
     T const dt = T(h / substeps);
     T previous = state_.template get<environment::Dt>(env);

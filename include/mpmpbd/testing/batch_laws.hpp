@@ -111,7 +111,8 @@ template <class Scene, class T, class Fill> class BatchProbe {
     }
     return count;
   }
-  // Half a run, a masked reset of environment 1, half a run again: 1 must be where the others were.
+  // A step, a masked reset of environment 1, a run: 1 is where a run from the start ends, the others are a step
+  // further than it.
   double reset_leaves_others() const {
     auto r = make({0, 1, 2, 3});
     r.step(case_.step);
@@ -120,7 +121,11 @@ template <class Scene, class T, class Fill> class BatchProbe {
     r.reset(mask);
     int count = 0;
     for (int e : {0, 2, 3}) count += !same_bits(r.state(), e, before, e);
-    return count;
+    advance(r);
+    auto further = run({0, 1, 2, 3});
+    further.step(case_.step);
+    for (int e : {0, 2, 3}) count += !same_bits(r.state(), e, further.state(), e);
+    return count + different(r, {-1, 1, -1, -1}, true);
   }
   double reset_is_exact() const {
     auto r = run({0, 1, 2, 3});
@@ -128,11 +133,17 @@ template <class Scene, class T, class Fill> class BatchProbe {
     advance(r);
     return different(r, {0, 1, 2, 3}, true);
   }
+  // Cloned before the first step, and again in the middle of whatever a run has led to.
   double clone_is_exact() const {
     auto r = make({0, 1, 2, 3});
     r.clone(0, 2);
     advance(r);
-    return different(r, {0, 1, 0, 3});
+    double count = different(r, {0, 1, 0, 3});
+    r = run({0, 1, 2, 3});
+    r.clone(1, 2);
+    count += !same_bits(r.state(), 2, reference_.state(), 1);
+    advance(r);
+    return count + !same_bits(r.state(), 2, r.state(), 1);
   }
 
   // Environment 1 is spoilt by `spoil` before the run: its bit is set, the others keep their bits.
