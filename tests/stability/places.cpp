@@ -1,9 +1,11 @@
-// B4, B5, B8, B11: particles in awkward places of the grid, and scenes in which there is nothing.
+// B4, B5, B8, B9, B11, B41: particles in awkward places of the grid, and scenes in which there is nothing.
 // seconds: 5
 #include <cmath>
+#include <set>
 
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/mpm/transfer/tpic.hpp>
+#include <mpmpbd/testing/batch_laws.hpp>
 
 #include "catch.hpp"
 #include "physics/needle_in_gel.hpp"
@@ -166,24 +168,99 @@ TEMPLATE_TEST_CASE("a block far from the origin moves as one near it, to roundin
   check_shift<TestType>();
 }
 
-TEST_CASE("the last of a thousand environments is the first, bit for bit", "[stability][B8]") {
-  BlockCase const c{.low = vec(3.13, 3.27, 3.41), .cells = {{1, 1, 1}}, .nodes = {{8, 8, 8}}};
-  auto options = c.options(8);
-  options.environments = 1000;
-  Simulation<Alone<Tissue<>>, Serial, float> run(options);
-  run.set<NeoHookean>(soft);
-  for (std::int64_t e = 0; e < 1000; ++e) {
-    run.add_particles(e, c.positions(), c.density, c.volume());
-    for (std::int64_t p = 0; p < 8; ++p)
-      run.state().set<particle::Velocity>(e, p, vec(0.1f * float(p), -0.2f, 0.03f * float(p)));
+namespace {
+BlockCase const lone{.cells = {{1, 1, 1}}, .nodes = {{9, 9, 9}}, .per_axis = 1};
+
+// Of a particle that carries C: that of C, its inertia being m D in every direction. [kg m^2/s]
+template <class B> Vec3<double> spin(B const& one) {
+  auto const C = one.affine(0);
+  double const D = square(one.c.cell) / B::Body::Shape::inverse_inertia;
+  return one.template get<particle::Mass>(0) * D *
+         vec(C(2, 1) - C(1, 2), C(0, 2) - C(2, 0), C(1, 0) - C(0, 1));
+}
+}  // namespace
+
+// A gradient w x turns its F by 1 + h [w], which also stretches it by (w h)^2 / 2 a step; the stress of that is
+// even in direction and keeps C's skew part.
+TEMPLATE_TEST_CASE("a lone particle that spins keeps its angular momentum", "[stability][B9]",
+                   (Tissue<QuadraticBSpline, Mls>), (Tissue<CubicBSpline, Mls>)) {
+  Block<Alone<TestType>> one(lone, soft);
+  auto const w = vec(30.0, -20.0, 50.0);
+  one.stir({}, skew(w));
+  double const h = 0.2 * one.limit();
+  auto const start = spin(one);
+  CHECK(norm(start) > 0);
+  double drift = 0;
+  for (int s = 0; s < 1000; ++s) {
+    one.run.step(h);
+    drift = max(drift, norm(spin(one) - start));
   }
-  for (int s = 0; s < 5; ++s) run.step(2e-4);
-  for (std::int64_t const e : {499, 999})
-    for (std::int64_t p = 0; p < 8; ++p) {
-      CHECK(run.state().get<particle::Position>(e, p) == run.state().get<particle::Position>(0, p));
-      CHECK(run.state().get<particle::Deformation>(e, p) ==
-            run.state().get<particle::Deformation>(0, p));
-    }
+  CAPTURE(drift / norm(start), h * norm(w) * 1000);
+  CHECK(one.sums().finite);
+  CHECK(one.run.status(0) == 0);
+  CHECK(drift <= 1e-12 * norm(start));
+}
+
+TEMPLATE_TEST_CASE("a lone particle at rest stays as it is, bit for bit", "[stability][B9]", float,
+                   double) {
+  Block<Alone<Tissue<>>, TestType> one(lone, soft);
+  auto const x = one.template get<particle::Position>(0);
+  for (int s = 0; s < 1000; ++s) one.run.step(0.9 * one.limit());
+  CHECK(one.template get<particle::Position>(0) == x);
+  CHECK(one.template get<particle::Velocity>(0) == Vec3<double>{});
+  CHECK(one.template get<particle::Deformation>(0) == Mat3<double>::identity());
+  CHECK(one.affine(0) == Mat3<double>{});
+  CHECK(one.run.status(0) == 0);
+}
+
+namespace {
+// Eight particles per environment, each with a stiffness and motions of its own.
+struct Crowd {
+  using Run = Simulation<Alone<Tissue<>>, Serial, float>;
+  static constexpr std::int64_t particles = 8;
+  BlockCase c{
+      .low = vec(3.13, 3.27, 3.41), .cells = {{1, 1, 1}}, .nodes = {{8, 8, 8}}, .substeps = 0};
+  Run of(std::int64_t environments) const {
+    auto options = c.options(particles);
+    options.environments = environments;
+    return Run(options);
+  }
+  void fill(Run& run, std::int64_t slot, std::int64_t which) const {
+    testing::Samples random(static_cast<std::uint64_t>(which) + 1);
+    run.set<NeoHookean>(slot, lame(random.log_uniform(2e3, 5e5), random.uniform(0.1, 0.45)));
+    run.add_particles(slot, c.positions(), c.density, c.volume());
+    for (std::int64_t p = 0; p < particles; ++p)
+      run.state().set<particle::Velocity>(slot, p, cast<float>(random.matrix<3>(-0.2, 0.2)));
+  }
+  static void advance(Run& run) {
+    for (int s = 0; s < 5; ++s) run.step(2e-4);
+  }
+};
+}  // namespace
+
+TEST_CASE("a thousand different environments are each as when alone, though one blows up",
+          "[stability][B8][B41]") {
+  Crowd const crowd;
+  std::int64_t const many = 1000, broken = 500;
+  auto batch = crowd.of(many);
+  for (std::int64_t e = 0; e < many; ++e) crowd.fill(batch, e, e);
+  float const nan = std::numeric_limits<float>::quiet_NaN();
+  batch.state().set<particle::Velocity>(broken, 3, vec(nan, 0.0f, 0.0f));
+  Crowd::advance(batch);
+  for (std::int64_t const e : {std::int64_t{0}, broken - 1, broken + 1, many - 1}) {
+    auto alone = crowd.of(1);
+    crowd.fill(alone, 0, e);
+    Crowd::advance(alone);
+    CHECK(testing::same_bits(batch.state(), e, alone.state(), 0));
+  }
+  // They do differ, in their substeps too.
+  CHECK_FALSE(testing::same_bits(batch.state(), 0, batch.state(), many - 1));
+  std::set<std::int64_t> substeps;
+  for (std::int64_t e = 0; e < many; ++e) {
+    CHECK(has(batch.status(e), Fault::not_finite) == (e == broken));
+    substeps.insert(batch.state().get<environment::Substeps>(e));
+  }
+  CHECK(substeps.size() > 2);
 }
 
 namespace {
