@@ -131,6 +131,10 @@ struct Forged {
     std::memcpy(&length, bytes.data() + 12, sizeof length);
     return 16 + length;
   }
+  Forged& version(std::uint32_t number) {
+    std::memcpy(bytes.data() + state_file_magic.size(), &number, sizeof number);
+    return *this;
+  }
   // Writes a number of 8 bytes, so many numbers after the description, and the checksum that fits.
   Forged& put(std::size_t place, std::int64_t number) {
     std::memcpy(bytes.data() + after_description() + 8 * place, &number, sizeof number);
@@ -161,6 +165,12 @@ TEST_CASE("a state file that describes more than it holds is refused", "[io][sta
     CHECK(said(live, count).find("items in use, of") != std::string::npos);
   }
   CHECK(said(environments, 2).empty());  // what it was
+  // Whole and of another version: its numbers may mean something else.
+  for (std::uint32_t const version : {state_file_version - 1, state_file_version + 1}) {
+    write_bytes(file, Forged(good).version(version).put(environments, 2).bytes);
+    CHECK(refusal<Store>(file).find("has format version " + std::to_string(version) +
+                                    ", this library reads version") != std::string::npos);
+  }
   auto foreign = good;
   foreign[16] = '\0';  // of the description; a message with it would end there
   write_bytes(file, Forged(foreign).put(environments, 2).bytes);

@@ -211,6 +211,26 @@ TEST_CASE("a suturing scene in contact goes on from a file bit for bit", "[scene
   }
 }
 
+// So it does in another place of a larger batch, beside others.
+TEST_CASE("a suturing environment in contact goes on in another slot", "[scene][checkpoint][B40]") {
+  auto const c = driven(12);
+  testing::BatchProbe<Suturing, float, Drive> const probe(c);
+  auto run = probe.run({0, 1});
+  REQUIRE(norm(run.state().get<needle::Force>(1)) > 1.0f);
+  ::Scratch const folder;
+  auto const file = (folder / "contact.state").string();
+  write_state_file(file, run.state());
+  auto batch = probe.make({3, 2, 3, 2});
+  batch.step(c.step);
+  batch.state().copy_environment(2, read_state_file<decltype(run)::Store>(file), 1);
+  for (int s = 0; s < 3; ++s) {
+    run.step(c.step);
+    batch.step(c.step);
+  }
+  CHECK(testing::same_bits(run.state(), 1, batch.state(), 2));
+  CHECK(batch.status(2) == run.status(1));
+}
+
 TEST_CASE("a suturing environment that blows up leaves the others alone", "[scene][batch]") {
   testing::BatchProbe<Suturing, float, Drive> const probe(driven(6));
   CHECK(probe.contained(Fault::not_finite, [](auto& r) {
