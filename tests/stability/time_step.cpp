@@ -5,6 +5,7 @@
 
 #include <mpmpbd/effects/viscosity.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
+#include <mpmpbd/mpm/transfer/pic.hpp>
 
 #include "catch.hpp"
 #include "stability/block.hpp"
@@ -15,6 +16,9 @@ namespace {
 
 Lame<double> const tissue = lame(5e4, 0.4);
 
+BlockCase const pair_of_cells{.cells = {{2, 2, 2}}};
+BlockCase const lone{.cells = {{1, 1, 1}}, .nodes = {{9, 9, 9}}, .per_axis = 1};
+
 template <class Transfer, class Form> struct Free : Scene<Mpm<NeoHookean, Transfer, Form>> {};
 using Default = Free<Apic, Mls>;
 
@@ -23,9 +27,9 @@ Mat3<double> stirring(double limit) {
   return 1e-3 / limit * Mat3<double>{{0.7, -0.9, 0.4, 0.3, -0.5, 0.8, -0.6, 0.2, -0.3}};
 }
 
-// 1e5 steps at a share of the limit: numbers are finite, momentum stays, energy does not grow.
-template <class S> void check_calm(BlockCase const& c, double share) {
-  Block<S> block(c, tissue);
+// 1e5 steps at a share of the limit: numbers are finite, momentum stays to rounding, energy does not grow.
+template <class S, class T = double> void check_calm(BlockCase const& c, double share) {
+  Block<S, T> block(c, tissue);
   double const limit = block.limit(), h = share * limit;
   block.stir({}, stirring(limit));
   auto const start = block.sums();
@@ -40,11 +44,13 @@ template <class S> void check_calm(BlockCase const& c, double share) {
     most = max(most, now), least = min(least, now);
   }
   auto const end = block.sums();
-  CAPTURE(share, most / energy - 1, least / energy, norm(end.momentum) / start.momentum_size);
+  double const rounding = sizeof(T) == 4 ? 2e-5 : 1e-12;  // eps times the root of so many steps
+  CAPTURE(sizeof(T), share, most / energy - 1, least / energy,
+          norm(end.momentum) / start.momentum_size);
   CHECK(block.run.status(0) == 0);
   CHECK(end.finite);
   CHECK(end.inside);
-  CHECK(norm(end.momentum - start.momentum) <= 1e-12 * start.momentum_size);
+  CHECK(norm(end.momentum - start.momentum) <= rounding * start.momentum_size);
   CHECK(most <= (1 + 1e-3) * energy);
   CHECK(least >= -1e-3 * energy);
 }
@@ -56,6 +62,39 @@ TEST_CASE("a block stays calm for 1e5 steps up to 0.98 of the limit", "[stabilit
     check_calm<Default>({.cells = {{2, 2, 2}}}, share);
     check_calm<Free<Flip, WeightGradient>>({.cells = {{2, 2, 2}}}, share);
   }
+}
+
+namespace {
+// The largest rise from one step to the next, over the energy at the start.
+template <class S> double largest_rise(double share, double strains) {
+  Block<S> block(pair_of_cells, tissue);
+  double const limit = block.limit(), h = share * limit;
+  block.stir({}, strains * stirring(limit));
+  double const start = block.step(h);
+  double previous = start, rise = 0;
+  for (int s = 1; s < 2000; ++s) {
+    double const now = block.step(h);
+    rise = max(rise, now - previous);
+    previous = now;
+  }
+  return rise / start;
+}
+}  // namespace
+
+// The energy that symplectic Euler keeps is that of a linear system: strains of 1e-3 move it by 7e-6 in a step at
+// 0.98 of the limit. So strains are 3e-5 here: smaller ones drown in what F = 1 + strain rounds.
+TEMPLATE_TEST_CASE("transfers that damp let no step raise the energy", "[stability][B1]",
+                   (Free<Apic, Mls>), (Free<Pic, WeightGradient>)) {
+  for (double const share : {0.5, 0.9, 0.98}) {
+    double const rise = largest_rise<TestType>(share, 0.03);
+    CAPTURE(share, rise, largest_rise<TestType>(share, 1.0));
+    CHECK(rise <= 1e-6);
+  }
+}
+
+TEST_CASE("a block stays calm in float too", "[stability][B1]") {
+  check_calm<Default, float>({.cells = {{2, 2, 2}}}, 0.98);
+  check_calm<Free<Flip, WeightGradient>, float>({.cells = {{2, 2, 2}}}, 0.98);
 }
 
 // It neither gains nor loses energy: no part of its motion is hidden from the grid.
@@ -80,9 +119,13 @@ TEST_CASE("a lone particle swings for 1e5 steps up to 0.98 of the limit", "[stab
 
 TEST_CASE("a step beyond the limit is known before it is taken, reported or cut into substeps",
           "[stability][B1]") {
-  for (double const share : {1.02, 2.0}) {
-    Block<Default> strict({.cells = {{2, 2, 2}}}, tissue),
-        automatic({.cells = {{2, 2, 2}}, .substeps = 0}, tissue);
+  // Also of a lone particle: it damps nothing, and its limit is the one of every scene.
+  for (auto const& [c, share] : {std::pair(pair_of_cells, 1.02), std::pair(pair_of_cells, 2.0),
+                                 std::pair(lone, 1.02), std::pair(lone, 2.0)}) {
+    auto chosen = c;
+    chosen.substeps = 0;
+    Block<Default> strict(c, tissue), automatic(chosen, tissue);
+    CAPTURE(share, c.cells[0]);
     double const limit = strict.limit(), h = share * limit;
     CHECK(strict.run.suggest_dt(0) < h);
 
@@ -92,12 +135,21 @@ TEST_CASE("a step beyond the limit is known before it is taken, reported or cut 
 
     automatic.stir({}, stirring(limit));
     double const energy = automatic.sums().energy();
-    for (int s = 0; s < 2000; ++s) automatic.run.step(h);
+    double most = energy;
+    for (int s = 0; s < 2000; ++s) {
+      automatic.run.step(h);
+      most = max(most, automatic.sums().energy());
+    }
+    CAPTURE(most / energy, automatic.sums().energy() / energy);
     CHECK(automatic.run.state().get<environment::Substeps>(0) ==
           static_cast<int>(::ceil(share / time_step_safety)));
     CHECK(automatic.run.status(0) == 0);
     CHECK(automatic.sums().finite);
-    CHECK(automatic.sums().energy() <= energy);
+    // With strain of one time and speed of half a step earlier it swings by 1 / (1 - w dt / 2) where nothing
+    // damps; at the start there is no strain.
+    double const swing = share / ::ceil(share / time_step_safety);
+    CHECK(most <= (1 + 1e-3) * energy / (1 - swing));
+    if (automatic.size() > 1) CHECK(automatic.sums().energy() <= energy);
   }
 }
 
@@ -229,7 +281,9 @@ TEST_CASE("a step that follows the swings of a lone particle feeds them",
   CHECK(following > 1.2);
 }
 
-// So chosen substeps do not follow it (scene/held_limit.hpp). All six of these rows did, and ended in NaN.
+// So chosen substeps do not follow it (scene/held_limit.hpp). All six of these rows did, and ended in NaN. Nothing
+// says how much energy a held limit may feed: ten times is above what these rows were measured to take, and three
+// times that number of substeps takes no more than twelve (docs/decisions/0010). No growth without end, not accuracy.
 TEST_CASE("substeps that are chosen do not feed the swings of a lone particle", "[stability][B3]") {
   for (double const strain : {0.3, 0.6})
     for (double const limits : {1.5, 4.3, 20.0}) {
@@ -239,14 +293,14 @@ TEST_CASE("substeps that are chosen do not feed the swings of a lone particle", 
       one.stir({}, strain / one.limit() * L);
       double const h = limits * one.limit(), start = one.sums().energy();
       double most = start;
-      bool finite = true;
+      bool finite = true;  // max() passes a NaN over
       for (int s = 0; s * limits < 1e4; ++s) {
         one.run.step(h);
         auto const now = one.sums();
+        finite = finite && now.finite && is_finite(now.energy());
         most = max(most, now.energy());
-        finite = finite && now.finite;
       }
-      CAPTURE(strain, limits, most / start);
+      CAPTURE(strain, limits, most / start, one.run.status(0));
       CHECK(finite);
       CHECK(one.run.status(0) == 0);
       CHECK(most < 10 * start);
