@@ -72,6 +72,11 @@ template <class T> struct Played {
              double(s.template get<bead::InverseMass>(0, b));
     return sum;
   }
+  // Of the needle on the rest, in the last step [N s].
+  Vec3<double> push(double h) const {
+    if (!d.needle) return {};
+    return -h * cast<double>(run.state().template get<needle::Force>(0, 0));
+  }
   // Of what holds the needle, in the last step [J].
   double work(double h) const {
     if (!d.needle) return 0;
@@ -124,7 +129,7 @@ template <class T> struct Played {
 
 struct Held {
   bool finite = true, particles_inside = true, beads_inside = true;
-  double momentum = 0;   // change over the sum of sizes at the start
+  double momentum = 0;   // that nobody gave, over the sum of sizes and pushes
   double gain = -1e300;  // of energy above what was there or was put in, as a share of that
   double share = 0;
   std::uint32_t status = 0;
@@ -135,12 +140,14 @@ template <class T> Held play(std::uint64_t seed) {
   auto& run = played.run;
   double const h = played.d.share * run.suggest_dt(0) / time_step_safety;
   double given = played.energy();
-  auto const momentum = played.momentum();
-  double const size = played.momentum_size();
+  auto momentum = played.momentum();
+  double size = played.momentum_size();
   Held held;
   held.share = played.d.share;
   for (int s = 0; s < 300; ++s) {
     run.step(h);
+    momentum += played.push(h);
+    size += norm(played.push(h));
     given += mpmpbd::max(0.0, played.work(h));
     if (s % 10 == 9) held.gain = mpmpbd::max(held.gain, played.energy() / given - 1);
   }
@@ -164,9 +171,12 @@ TEMPLATE_TEST_CASE("60 random threads and needles in gel keep momentum and gain 
     CHECK(held.finite);
     CHECK(held.particles_inside);
     CHECK((held.beads_inside || has(held.status, Fault::escape)));
-    if (seed % 2 == 0) CHECK(held.momentum <= (sizeof(TestType) == 4 ? 2e-5 : 1e-12));
-    reported += but_fracture(held.status) != 0;
-    if (but_fracture(held.status) != 0) continue;
+    bool const says = but_fracture(held.status) != 0;
+    reported += says;
+    // Not of seed 31, whose direct solve meets a singular matrix in float and says so: the report of the needle's
+    // force then misses what the tissue got.
+    if (!says || seed % 2 == 0) CHECK(held.momentum <= (sizeof(TestType) == 4 ? 2e-5 : 1e-12));
+    if (says) continue;
     CHECK(1 + held.gain <= (1 + 1e-3) / (1 - held.share));
   }
   CHECK(reported <= 3);
