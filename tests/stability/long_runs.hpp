@@ -88,21 +88,34 @@ inline void check_stitched(int steps) {
   run.set<Gravity>({{0.0, 0.0, -9.81}});
   double const h = 0.25 * gel_time();
   for (int s = 0; s < 2000; ++s) run.step(h);
+  // 22 % per step would hide what grows slowly, and carries some of the thread's weight: it settles again.
+  run.set<Damping>({0.0});
+  for (int s = 0; s < 3000; ++s) run.step(h);
+  auto const kinetic = [&] {
+    double sum = 0;
+    for (std::int64_t p = 0; p < thread.block.particles(); ++p) {
+      auto const v = run.state().get<particle::Velocity>(0, p);
+      sum += 0.5 * run.state().get<particle::Mass>(0, p) * dot(v, v);
+    }
+    return sum;
+  };
   auto const settled = run.state().get<bead::Position>(0, 2);
-  double const settled_energy = gel_energy(run, 0);
-  for (int s = 0; s < steps; ++s) run.step(h);
-  double kinetic = 0;
-  for (std::int64_t p = 0; p < thread.block.particles(); ++p) {
-    auto const v = run.state().get<particle::Velocity>(0, p);
-    kinetic += 0.5 * run.state().get<particle::Mass>(0, p) * dot(v, v);
+  double const settled_energy = gel_energy(run, 0), settled_kinetic = kinetic();
+  double most = 0;
+  for (int s = 1; s <= steps; ++s) {
+    run.step(h);
+    if (s % 50 == 0) most = std::max(most, kinetic());
   }
   auto const x = run.state().get<bead::Position>(0, 2);
-  CAPTURE(steps, kinetic / settled_energy, norm(x - settled) / gel_cell,
-          gel_energy(run, 0) / settled_energy - 1);
+  // The thread still creeps into the gel, ever more slowly: 4e-4 of the gel's energy in 2e4 steps.
+  double const change = gel_energy(run, 0) / settled_energy - 1;
+  CAPTURE(steps, settled_kinetic / settled_energy, most / settled_energy,
+          kinetic() / settled_energy, norm(x - settled) / gel_cell, change);
   CHECK(run.status(0) == 0);
-  CHECK(kinetic < 1e-10 * settled_energy);
+  CHECK(most < 1e-10 * settled_energy);
+  CHECK(kinetic() <= settled_kinetic);
   CHECK(norm(x - settled) < 1e-3 * gel_cell);
-  CHECK(run.state().get<environment::Step>(0) == steps + 2000);
+  CHECK(run.state().get<environment::Step>(0) == steps + 5000);
 }
 
 }  // namespace test::long_runs
