@@ -4,6 +4,11 @@
 // to an empty kernel without a diagnostic.
 #pragma once
 
+// What is not finite is found by a - a == 0, and the order of sums decides bits: fast-math breaks both silently.
+#if defined(__FAST_MATH__) || defined(__USE_FAST_MATH__)
+#error "mpmpbd does not support -ffast-math (or --use_fast_math): compile without it"
+#endif
+
 #include <math.h>
 
 #include <concepts>
