@@ -173,8 +173,8 @@ TEMPLATE_TEST_CASE("60 random threads and needles in gel keep momentum and gain 
     CHECK((held.beads_inside || has(held.status, Fault::escape)));
     bool const says = held.status != 0;
     reported += says;
-    // Not of seed 31, whose direct solve meets a singular matrix in float and says so: the report of the needle's
-    // force then misses what the tissue got.
+    // Open: in float the direct solve of seed 31 meets a singular matrix and says so; the needle's force and what the
+    // tissue got then disagree.
     if (!says || seed % 2 == 0) CHECK(held.momentum <= (sizeof(TestType) == 4 ? 2e-5 : 1e-12));
     if (says) continue;
     CHECK(1 + held.gain <= (1 + 1e-3) / (1 - held.share));
