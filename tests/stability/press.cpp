@@ -1,5 +1,5 @@
 // B32: a needle that is pressed on tissue sideways, and with its tip just below and just above the force that
-// opens the surface. Hysteresis, chatter and a tip that slides along the surface: tests/surface/tip.cpp.
+// opens the surface (A4.6). Hysteresis, chatter and a tip that slides along the surface: tests/surface/tip.cpp.
 // seconds: 4
 #include <algorithm>
 
@@ -105,6 +105,11 @@ namespace {
 
 struct Pushed {
   double most = 0, last = 0;  // force on the tip [N]
+  double after = 0;           // and in the step after the event
+  double stored = 0,
+         gained =
+             0;  // energy of the gel before the event, and most beyond that and the hand's work [J]
+  double released = 0;  // stored, and the hand's work since, less the gel's energy at the end [J]
   std::int64_t events = 0;
   std::uint32_t status = 0;
 };
@@ -116,9 +121,19 @@ Pushed push_tip(double puncture_force) {
                             vec(1.0, 0.0, 0.0)),
               needle, puncture_force);
   Pushed p;
+  int steps = 0;    // since the event
+  double work = 0;  // of the hand since then [J]
   for (int s = 0; s < 300; ++s) {
-    press.move(press.depth < 0.8 ? 0.0125 : 0);
+    double const down = press.depth < 0.8 ? 0.0125 : 0, energy = gel_energy(press.run, 0);
+    press.move(down);
     p.most = std::max(p.most, press.at_tip());
+    if (press.events() == 0) continue;
+    steps += 1;
+    if (steps == 1) p.stored = energy, p.gained = -energy;
+    if (steps == 2) p.after = press.at_tip();
+    work += press.lift() * down * gel_cell;
+    p.released = p.stored + work - gel_energy(press.run, 0);
+    p.gained = std::max(p.gained, -p.released);
   }
   p.last = press.at_tip();
   p.events = press.events();
@@ -129,7 +144,7 @@ Pushed push_tip(double puncture_force) {
 }  // namespace
 
 TEST_CASE("a tip goes in above the force that opens the surface, and not below it",
-          "[stability][B32]") {
+          "[stability][B32][A4.6]") {
   auto const free = push_tip(1.0);
   CAPTURE(free.most, free.last);
   REQUIRE(free.events == 0);
@@ -144,4 +159,13 @@ TEST_CASE("a tip goes in above the force that opens the surface, and not below i
   CHECK(above.most <= free.most / 1.02 * (1 + 1e-9));
   CHECK(above.last <= 0.3 * free.most / 1.02 * (1 + 1e-9));  // only cutting is left
   CHECK(above.status == 0);
+
+  // What the event sets free was stored: the gel never has more than it had, and what the hand added. Damping and
+  // cutting take the rest. Force drops in one step, of 1/80 of a cell.
+  CAPTURE(above.stored, above.gained, above.released, above.after);
+  CHECK(above.stored > 0);
+  CHECK(above.gained <= 1e-9 * above.stored);
+  CHECK(above.released > 0.1 * above.stored);
+  CHECK(above.released <= above.stored);
+  CHECK_THAT(above.after, WithinRel(0.3 * free.most / 1.02, 1e-6));  // F_cut
 }
