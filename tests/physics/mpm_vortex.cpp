@@ -1,11 +1,10 @@
 // A2.3: the generalised vortex (Kamojjala and Brannon): a ring of tissue turns against itself and back, by a
 // manufactured body force, in plane strain. Errors of the transfers, and what smaller steps do to them.
-// seconds: 40
+// seconds: 60
 //
-// The page's ring has free faces at which nothing acts. They have a cost of their own, first order in dx, and
-// a bare ring shows it: with FLIP 1.37e-3 and order 1.55. Here the ring is surrounded by an eighth of tissue
-// that stays at rest (there is neither motion nor body force outside of 0.75 < R < 1.25), so that what is
-// measured, in the ring alone, is the error inside of a body.
+// The page's ring is bare: nothing acts on its faces. They have a cost of their own, first order in dx. Within an
+// eighth of tissue that stays at rest (there is neither motion nor body force outside of 0.75 < R < 1.25) what is
+// measured, in the ring alone, is the error inside of a body: bounds of about 1.5 times what was measured.
 #include <algorithm>
 #include <cmath>
 
@@ -30,10 +29,12 @@ template <class Body> double error(VortexCase const& c) {
   return run.error(in_ring);
 }
 
-template <class Body> void check(double most, double least_order) {
-  double const coarse = error<Body>({16}), fine = error<Body>({32});
+template <class Body> void check(double most, double least_order, double around) {
+  double const coarse = error<Body>({.n = 16, .around = around});
+  double const fine = error<Body>({.n = 32, .around = around});
   double const order = std::log2(coarse / fine);
-  CAPTURE(Body::Shape::name.view(), Body::Transfer::name.view(), coarse, fine, order);
+  CAPTURE(Body::Shape::name.view(), Body::Transfer::name.view(), Body::Form::name.view());
+  CAPTURE(around, coarse, fine, order);
   CHECK(fine <= most);
   CHECK(order >= least_order);
 }
@@ -44,11 +45,20 @@ template <class... Policies> using Cubic = Mpm<NeoHookean, CubicBSpline, Policie
 }  // namespace
 
 TEST_CASE("The error of a vortex is of second order", "[mpm][order]") {
-  check<Quadratic<Flip, WeightGradient>>(1.4e-3, 1.6);
-  check<Quadratic<Apic, WeightGradient>>(9e-4, 1.6);
-  check<Quadratic<Tpic, WeightGradient>>(9e-4, 1.6);
-  check<Quadratic<Apic, Mls>>(9e-4, 1.6);
-  check<Cubic<Apic, WeightGradient>>(9e-4, 1.6);
+  double const around = 0.125;
+  check<Quadratic<Flip, WeightGradient>>(1.25e-3, 1.6, around);
+  check<Quadratic<Apic, WeightGradient>>(6e-4, 1.6, around);
+  check<Quadratic<Tpic, WeightGradient>>(6e-4, 1.6, around);
+  check<Quadratic<Apic, Mls>>(5e-4, 1.6, around);
+  check<Cubic<Apic, WeightGradient>>(6e-4, 1.6, around);
+}
+
+// FLIP has 1.366e-3 and order 1.55, of which the page asks 1.6: the one demand not met.
+TEST_CASE("The error of a bare ring is the page's", "[mpm][order]") {
+  check<Quadratic<Flip, WeightGradient>>(1.4e-3, 1.5, 0.0);
+  check<Quadratic<Apic, WeightGradient>>(9e-4, 1.6, 0.0);
+  check<Quadratic<Tpic, WeightGradient>>(9e-4, 1.6, 0.0);
+  check<Quadratic<Apic, Mls>>(9e-4, 1.6, 0.0);
 }
 
 // The error is spatial: shorter steps buy nothing, and PIC, which smooths once per step, gets worse by them.
@@ -61,6 +71,7 @@ TEST_CASE("Shorter steps do not help, and harm PIC", "[mpm][order]") {
     apic.push_back(error<Quadratic<Apic, WeightGradient>>({32, cfl}));
     pic.push_back(error<Quadratic<Pic, WeightGradient>>({32, cfl}));
   }
+  pic.push_back(error<Quadratic<Pic, WeightGradient>>({32, 0.05}));
   CAPTURE(flip, apic, pic);
   auto const change = [](std::vector<double> const& errors) {
     auto const [least, most] = std::minmax_element(errors.begin(), errors.end());

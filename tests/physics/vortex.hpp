@@ -11,7 +11,6 @@ namespace test {
 struct Vortex {
   static constexpr double duration = 0.5;              // [s]
   static constexpr double inner = 0.75, outer = 1.25;  // radii of the ring [m]
-  static constexpr double around = 0.125;              // tissue at rest on either side of it [m]
   static constexpr double half_width = 1.5;            // of the grid [m]
 
   double amplitude;                        // [rad]
@@ -70,6 +69,7 @@ struct VortexCase {
   int n;                   // cells per metre
   double cfl = 0.1;        // step, about that many dx / c_p
   double amplitude = 0.1;  // [rad]
+  double around = 0.125;   // tissue at rest on either side of the ring [m]; 0: its faces are free
 };
 
 template <class Body> Manufactured<Body, Vortex> vortex(VortexCase const& c, int& steps) {
@@ -80,7 +80,7 @@ template <class Body> Manufactured<Body, Vortex> vortex(VortexCase const& c, int
   auto const middle = vec(Vortex::half_width, Vortex::half_width, 0.0);  // a node
   auto rest = layer_points(dx, 3 * n, 3 * n, [&](Vec3<double> const& x) {
     double const R = Vortex::radius(x - middle);
-    return R > Vortex::inner - Vortex::around && R < Vortex::outer + Vortex::around;
+    return R > Vortex::inner - c.around && R < Vortex::outer + c.around;
   });
   for (auto& X : rest) X = X - middle;
   return {motion,
