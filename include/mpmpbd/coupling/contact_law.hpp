@@ -34,7 +34,7 @@ template <class T> struct ContactPoint {
 };
 
 // Coverage from which tissue holds a member at all, and from which it holds it fully. Half is the surface of a
-// half space, a quarter is a quarter of a cell above it.
+// half space, a quarter is half a cell above it.
 struct Grip {
   static constexpr double at_all = 0.25, fully = 0.5;
 };
