@@ -318,9 +318,11 @@ TEST_CASE("too many touched nodes are reported, in the same way every time", "[c
   for (int s : r.slots) REQUIRE(s == -1);
 }
 
-TEST_CASE("a singular thread changes nothing", "[coupling]") {
+TEST_CASE("a singular thread changes nothing and reports no impulse", "[coupling]") {
   Draw d(19);
   auto r = random_rig<double, Rough>(d, {});
+  for (auto& p : r.points) p.impulse = vec(1e-6, -2e-6, 3e-6);
+  r.impulse.assign(r.impulse.size(), 1e-6);
   r.stretch_compliance = 0;
   r.known[1] = r.known[2] = 1;
   auto const grid = r.velocity;
@@ -328,6 +330,8 @@ TEST_CASE("a singular thread changes nothing", "[coupling]") {
   REQUIRE(r.couple() == static_cast<std::uint32_t>(mpmpbd::Fault::solver));
   for (std::size_t i = 0; i < grid.size(); ++i) REQUIRE(r.velocity[i] == grid[i]);
   for (std::size_t k = 0; k < bead.size(); ++k) REQUIRE(r.bead[k] == bead[k]);
+  for (auto const& p : r.points) CHECK(p.impulse == Vec3<double>{});
+  for (double const impulse : r.impulse) CHECK(impulse == 0.0);
 }
 
 TEST_CASE("float agrees with double", "[coupling]") {

@@ -173,9 +173,9 @@ TEMPLATE_TEST_CASE("60 random threads and needles in gel keep momentum and gain 
     CHECK((held.beads_inside || has(held.status, Fault::escape)));
     bool const says = held.status != 0;
     reported += says;
-    // Open: in float the direct solve of seed 31 meets a singular matrix and says so; the needle's force and what the
-    // tissue got then disagree.
-    if (!says || seed % 2 == 0) CHECK(held.momentum <= (sizeof(TestType) == 4 ? 2e-5 : 1e-12));
+    // The border takes momentum from what it holds.
+    if (!has(held.status, Fault::escape) || seed % 2 == 0)
+      CHECK(held.momentum <= (sizeof(TestType) == 4 ? 2e-5 : 1e-12));
     if (says) continue;
     CHECK(1 + held.gain <= (1 + 1e-3) / (1 - held.share));
   }

@@ -497,6 +497,13 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     });
     team.sync();
   }
+
+  // Without a solution nothing is exchanged; so no impulse is reported, and none is offered again.
+  MPMPBD_HD void give_up() const {
+    team.each(x.thread.beads, [&](int k) { x.thread.impulse[k] = T(0); });
+    team.each(x.count(), [&](int q) { x.points[q].impulse = Vec3<T>{}; });
+    team.sync();
+  }
 };
 
 }  // namespace detail
@@ -504,7 +511,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 // Exchanges momentum. Before: place_thread_points, needle points placed, embed_points, contacts decided.
 // After: node velocities, bead positions and velocities, link impulses, a dynamic needle's velocity and
 // the impulse of every point are those of the end of the substep. Returns faults; with Fault::solver
-// nothing was changed.
+// nothing was moved and every impulse is zero.
 //
 // nodes: mass(i) > 0 where it has mass, inverse_mass(i) per axis, velocity(i), set_velocity(i, v).
 template <class Team_, class T, class Form, class Nodes>
@@ -518,7 +525,10 @@ MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const&
     e.sweep(i == 0);
   }
   e.guard_energy();
-  if (x.scratch->failed != 0) return faults | static_cast<std::uint32_t>(Fault::solver);
+  if (x.scratch->failed != 0) {
+    e.give_up();
+    return faults | static_cast<std::uint32_t>(Fault::solver);
+  }
   e.finish();
   return faults;
 }
