@@ -69,7 +69,7 @@ def table(lines, title, label):
     times = {policy: time_to(points, level) for policy, points in lines.items()}
     cheapest = min(time for time in times.values() if time is not None)
     yield f"## {title[0].upper()}{title[1:]}\n"
-    yield f"Error: {label}. Every policy without a fault reaches {level:.2g}; the cheapest in {cheapest:.2g} s.\n"
+    yield f"{label[0].upper()}{label[1:]}. Every policy without a fault reaches {level:.2g}; the cheapest in {cheapest:.2g} s.\n"
     yield f"| policy | time to {level:.2g} | least error | in s |"
     yield "|---|---|---|---|"
     for policy in sorted(lines, key=lambda p: times[p] if times[p] is not None else math.inf):
