@@ -106,9 +106,8 @@ namespace {
 struct Pushed {
   double most = 0, last = 0;  // force on the tip [N]
   double after = 0;           // and in the step after the event
-  double stored = 0,
-         gained =
-             0;  // energy of the gel before the event, and most beyond that and the hand's work [J]
+  // Energy of the gel before the event, and the most that it had beyond that and the hand's work [J].
+  double stored = 0, gained = 0;
   double released = 0;  // stored, and the hand's work since, less the gel's energy at the end [J]
   std::int64_t events = 0;
   std::uint32_t status = 0;
