@@ -5,7 +5,6 @@
 
 #include <mpmpbd/effects/body_force.hpp>
 #include <mpmpbd/effects/damping.hpp>
-#include <mpmpbd/scene/totals.hpp>
 
 #include "catch.hpp"
 #include "physics/plane_strain.hpp"
