@@ -43,7 +43,7 @@ class Results {
       std::chrono::duration<double> const took = std::chrono::steady_clock::now() - began;
       fastest = std::min(fastest, took.count());
     }
-    auto const line = fmt::format("{},{},{},{},{},{:.6g},{:.6g},{}\n", problem, policy, rule,
+    auto const line = fmt::format("{},\"{}\",{},{},{},{:.6g},{:.6g},{}\n", problem, policy, rule,
                                   resolution, steps, p.error, fastest, p.good ? 1 : 0);
     fmt::print("{}", line);
     text_ += line;
