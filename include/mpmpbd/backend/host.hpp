@@ -6,11 +6,9 @@
 #include <mpmpbd/backend/grid.hpp>
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/coupling/team.hpp>
-#include <mpmpbd/mpm/time_step.hpp>
-#include <mpmpbd/needle/fields.hpp>
 #include <mpmpbd/pbd/access.hpp>
-#include <mpmpbd/pbd/fields.hpp>
 #include <mpmpbd/scene/scene.hpp>
+#include <mpmpbd/scene/step_bounds.hpp>
 
 namespace mpmpbd {
 
@@ -74,105 +72,55 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     return faults;
   }
 
-  // not_finite where a bead, a frame or a needle has a NaN or an infinity; particles are asked by bounds().
-  std::uint32_t lost_bodies() const {
-    bool const all_finite = finite<bead::Position, bead::Velocity, frame::Orientation,
-                                   frame::AngularVelocity, needle::Position, needle::Orientation,
-                                   needle::LinearVelocity, needle::AngularVelocity>();
-    return all_finite ? 0 : static_cast<std::uint32_t>(Fault::not_finite);
+  std::uint32_t lost_bodies() const { return mpmpbd::lost_bodies(access()); }
+
+  // Holds particles that were set from outside at the border of the domain.
+  std::uint32_t hold_particles() {
+    bool held = false;
+    if constexpr (Scene::has_body) {
+      auto const view = state_.template view<Particles>();
+      for (int a = 0; a < 3; ++a) {
+        auto const room =
+            Room<T>::template on_axis<typename Scene::Body::Shape>(context_.lattice, a);
+        T* const x = view.template plane<particle::Position>(a) + env_ * view.capacity;
+        for (std::int64_t slot = 0; slot < live_; ++slot) held = room.hold(x[slot]) || held;
+      }
+    }
+    return held ? static_cast<std::uint32_t>(Fault::escape) : 0;
   }
 
-  // Maxima that bound the time step, and the faults of the state as it is; not_finite when a particle is already lost.
-  StepBounds<T> bounds(std::uint32_t& faults) {
-    auto& of_chunk = work_.bounds;
-    of_chunk.assign(static_cast<std::size_t>(chunks()), {});
-    if constexpr (Scene::has_body) {
-      using Body = typename Scene::Body;
-      using Watching = in_slot_t<Slot::before_scatter, typename Scene::Effects>;
-      using Used = union_t<typename Body::Material::Reads, typename Scatter<Body>::Reads,
-                           typename detail::ReadsOf<Watching>::type>;
-      using Read = stored_t<on_t<Used, Particles>>;
-      auto const view = state_.template view<Particles>();
-      lanes_.for_each(chunks(), [&](std::int64_t c, int) {
-        auto& b = of_chunk[static_cast<std::size_t>(c)];
-        for_chunk(c, [&](std::int64_t index) {
-          Local<T, Used> p;
-          p.load(view, index, Read{});
-          auto one = step_bounds<Body>(p, context_.template of<typename Body::Material>());
-          include_damping(one, p, Watching{});
-          auto& met = work_.faults[static_cast<std::size_t>(c)];
-          if (!is_finite(one.frequency2 + one.damping + one.speed + one.rate +
-                         dot(p[particle::Position{}], p[particle::Position{}]))) {
-            met |= static_cast<std::uint32_t>(Fault::not_finite);
-          } else {
-            met |= seen(p, Watching{});
-            b.include(one);
-          }
-        });
-      });
-    }
-    StepBounds<T> all;
-    for (auto const& b : of_chunk) all.include(b);
-    for (auto f : work_.faults) faults |= f;
-    all.speed = max(all.speed, needle_speed());
-    return all;
+  // The longest recommended substep in the present state, at most h [s], and the faults of that state.
+  StepLimit<T> limit(double h, std::uint32_t& faults) {
+    if constexpr (Scene::has_body)
+      return step_limit<typename Scene::Body>(bounds(faults), context_.lattice.dx);
+    else
+      return {T(h), StepBound::none};
   }
 
  private:
   static constexpr bool needs_previous =
       contains<typename Scene::NodeFields, node::PreviousVelocity>;
 
-  template <class... Fs> bool finite() const { return (finite_field<Fs>() && ...); }
-  template <class F> bool finite_field() const {
-    bool all = true;
-    if constexpr (contains<typename Store::List, F>) {
-      auto const view = state_.template view<typename F::Domain>();
-      std::int64_t const live = state_.template table<typename F::Domain>().live(env_);
-      for (int c = 0; c < F::components; ++c) {
-        T const* const of = view.template plane<F>(c) + env_ * view.capacity;
-        for (std::int64_t slot = 0; slot < live; ++slot) all = all && is_finite(of[slot]);
-      }
-    }
+  auto access() const { return access_environment(state_, env_, typename Store::Domains{}); }
+
+  StepBounds<T> bounds(std::uint32_t& faults) {
+    using Bounds = ParticleBounds<Scene>;
+    auto& of_chunk = work_.bounds;
+    of_chunk.assign(static_cast<std::size_t>(chunks()), {});
+    auto const view = state_.template view<Particles>();
+    lanes_.for_each(chunks(), [&](std::int64_t c, int) {
+      auto const chunk = static_cast<std::size_t>(c);
+      for_chunk(c, [&](std::int64_t index) {
+        Local<T, typename Bounds::Used> p;
+        p.load(view, index, typename Bounds::Reads{});
+        work_.faults[chunk] |= Bounds::include(p, context_, of_chunk[chunk]);
+      });
+    });
+    StepBounds<T> all;
+    for (auto const& b : of_chunk) all.include(b);
+    for (auto f : work_.faults) faults |= f;
+    all.speed = max(all.speed, needle_speed<Scene>(access(), context_));
     return all;
-  }
-
-  // A needle may be told to move faster than any particle does, and must not pass through tissue between
-  // two substeps. An upper bound of the speed of its points [m/s].
-  T needle_speed() const {
-    T speed = T(0);
-    if constexpr (Scene::has_needle) {
-      auto const& table = state_.template table<Needles>();
-      auto const radius = Scene::Needle::arc(context_.template of<typename Scene::Needle>()).radius;
-      for (std::int64_t i = 0; i < table.live(env_); ++i) {
-        auto const v = needle::twist(state_.template view<Needles>(), env_ * table.capacity() + i);
-        speed = max(speed, norm(v.linear) + radius * norm(v.angular));
-      }
-    }
-    return speed;
-  }
-
-  // What effects with `damping(p, k)` [Pa s] add to the bounds.
-  template <class P, class... Es>
-  void include_damping([[maybe_unused]] StepBounds<T>& b, [[maybe_unused]] P const& p,
-                       TypeList<Es...>) const {
-    [[maybe_unused]] auto const one = [&]<class E>(std::type_identity<E>) {
-      if constexpr (requires { E::damping(p, context_.template of<parameter_owner_t<E>>()); })
-        b.damping += E::damping(p, context_.template of<parameter_owner_t<E>>()) *
-                     p[particle::Volume{}] / p[particle::Mass{}];
-    };
-    (one(std::type_identity<Es>{}), ...);
-  }
-
-  // What effects with `faults(p, k)` see.
-  template <class P, class... Es>
-  std::uint32_t seen([[maybe_unused]] P const& p, TypeList<Es...>) const {
-    [[maybe_unused]] auto const one = [&]<class E>(std::type_identity<E>) -> std::uint32_t {
-      if constexpr (requires { E::faults(p, context_.template of<parameter_owner_t<E>>()); })
-        return E::faults(p, context_.template of<parameter_owner_t<E>>());
-      else
-        return 0;
-    };
-    return (one(std::type_identity<Es>{}) | ... | 0u);
   }
 
   std::int64_t chunks() const { return (live_ + chunk_size - 1) / chunk_size; }
@@ -260,7 +208,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   }
 
   template <class Stage> void run(kind::Together) {
-    auto const env = access_environment(state_, env_, typename Store::Domains{});
+    auto const env = access();
     if constexpr (Scene::has_body) {
       using Move = MoveNodes<typename Scene::Body, typename Scene::Effects>;
       if constexpr (requires { Stage::scratch_bytes(env, context_); })

@@ -1,24 +1,13 @@
-// The suturing scene: soft tissue, an arc needle and the thread behind it, and how it is set up.
+// How the suturing scene is set up from its configuration.
 #pragma once
 
 #include <mpmpbd/catalog/suturing_config.hpp>
-#include <mpmpbd/coupling/embedded.hpp>
-#include <mpmpbd/effects/air.hpp>
-#include <mpmpbd/effects/gravity.hpp>
-#include <mpmpbd/effects/viscosity.hpp>
-#include <mpmpbd/effects/walls.hpp>
+#include <mpmpbd/catalog/suturing_scene.hpp>
 #include <mpmpbd/geometry/polyline.hpp>
-#include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/pbd/rod_builder.hpp>
 #include <mpmpbd/scene/simulation.hpp>
 
 namespace mpmpbd {
-
-struct SoftTissue : Mpm<NeoHookean> {};
-struct Suture : Pbd<Constraints<Distance, Bend, Swage>> {};
-using Floor = Wall<Sticky, 2, Side::low>;
-struct Suturing : Scene<SoftTissue, Suture, ArcNeedle, Surface, Coupling<Embedded, Friction, Drag>,
-                        Gravity, Viscosity, Air, Floor> {};
 
 namespace suturing {
 
@@ -45,7 +34,8 @@ inline std::vector<Vec3<double>> thread_line(SuturingConfig const& c) {
 inline RodAssembly<Suture> thread(SuturingConfig const& c) {
   RodAssembly<Suture> rod;
   auto const line = thread_line(c);
-  auto const made = add_thread(rod, std::span<Vec3<double> const>(line), c.thread.material());
+  auto const made =
+      add_thread(rod, std::span<Vec3<double> const>(line.data(), line.size()), c.thread.material());
   auto const blunt = c.needle.arc().point(c.needle.arc().length());
   rod.add<Swage>({made.last - 1}, {blunt[0], blunt[1], blunt[2], 0.0});
   return rod;

@@ -10,7 +10,9 @@
 namespace mpmpbd {
 
 // The slots of one domain that belong to one environment.
-template <class Domain, class View_> struct DomainAccess {
+template <class Domain_, class View_> struct DomainAccess {
+  using Domain = Domain_;
+  using List = typename View_::List;
   View_ view;
   std::int64_t first = 0;  // index of slot 0
   std::int64_t count = 0;  // slots in use
@@ -24,6 +26,7 @@ MPMPBD_HD DomainAccess<Domain, View_> access_domain(View_ const& view, std::int6
 
 template <class T, class... Domains> struct EnvironmentAccess : Domains... {
   using Scalar = T;
+  template <class F> static constexpr bool has = (contains<typename Domains::List, F> || ...);
 
   template <class F> MPMPBD_HD value_t<F, T> get(std::int64_t slot) const {
     auto const& d = part<typename F::Domain>(*this);

@@ -8,6 +8,7 @@
 #include <mpmpbd/effects/concepts.hpp>
 #include <mpmpbd/mpm/gather.hpp>
 #include <mpmpbd/mpm/scatter.hpp>
+#include <mpmpbd/scene/context.hpp>
 
 namespace mpmpbd {
 
@@ -32,29 +33,6 @@ namespace node {
 struct Momentum : Transient<"mv", "kg m/s", Vector, Nodes> {};
 struct PreviousMomentum : Transient<"mv0", "kg m/s", Vector, Nodes> {};  // without internal forces
 }  // namespace node
-
-// The parameters of all policies of a scene, for one environment.
-template <class T, class Policies> struct ParameterBlock;
-template <class T, class... Ps> struct ParameterBlock<T, TypeList<Ps...>> {
-  template <class P> struct Held { parameters_t<P, T> k; };
-  struct All : Held<Ps>... {};
-  All all;
-
-  template <class P> MPMPBD_HD auto const& get() const {
-    return static_cast<Held<P> const&>(all).k;
-  }
-  template <class P> auto& get() { return static_cast<Held<P>&>(all).k; }
-};
-
-// What every stage is told about its environment.
-template <class T, class Policies> struct Context {
-  using Scalar = T;
-  Tick<T> tick;
-  Lattice<T> lattice;
-  ParameterBlock<T, Policies> parameters;
-
-  template <class P> MPMPBD_HD auto const& of() const { return parameters.template get<P>(); }
-};
 
 namespace detail {
 template <Slot slot, class List> struct InSlot;
