@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include <mpmpbd/coupling/team.cuh>
+#include <mpmpbd/backend/cuda/team.cuh>
 
 #include "coupling/random_rig.hpp"
 

@@ -44,6 +44,7 @@ template <class Env> MPMPBD_HD auto channels_of_environment(Env const& env) {
 
 template <class In> struct ExchangeImpulses {
   static constexpr FixedString name = "exchange";
+  static constexpr bool announces_nodes = true;
   using Kind = kind::Together;
   using Rods = typename In::Rods;
   using Needle = typename In::Needle;

@@ -1,0 +1,137 @@
+// Runs on a CUDA device: Simulation<Scene, Cuda> moves all environments in one launch per step.
+//
+// This header needs no CUDA compiler. The functions that do are defined in backend/cuda/simulation.cuh: a catalogue
+// compiles them once, so that a program of plain C++ links and drives them.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include <mpmpbd/scene/run_state.hpp>
+
+namespace mpmpbd {
+
+// Where to run.
+struct Cuda {
+  int device = 0;
+  void* stream = nullptr;  // a cudaStream_t of that device; null: its default stream
+  int threads = 512;       // of a block: 128 to 512, a multiple of 32; bits do not depend on it
+};
+
+// A field of all environments in the memory of a device: logical shape (env, slot, component).
+struct DeviceArray {
+  void* data;
+  std::int64_t shape[3];
+  std::int64_t strides[3];  // [elements]
+  int bytes_per_element;
+  bool is_integer;
+};
+
+// Limits: float; the grid of an environment has to fit into the shared memory of a thread block (execution()).
+template <class Scene, class Backend, class T> class Simulation;
+template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private RunState<Scene_, T> {
+  using Base = RunState<Scene_, T>;
+
+ public:
+  using Scene = Scene_;
+  using Scalar = T;
+  using Store = typename Base::Store;
+
+  // Throws std::invalid_argument for options that are not allowed, and std::runtime_error, with nothing allocated,
+  // where there is no such device or not enough memory.
+  explicit Simulation(SimulationOptions how, Cuda where = {});
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+
+  using Base::environments;
+  using Base::lattice;
+  using Base::options;
+
+  // The state on the host. It is fetched when the device's is newer, which waits for the device; asked for so that
+  // it can be changed, it is sent before anything else happens there.
+  Store const& state() const { return fetched(); }
+  Store& state() {
+    Store& own = fetched();
+    host_is_newer_ = true;
+    return own;
+  }
+  std::uint32_t status(std::int64_t env) const {
+    return static_cast<std::uint32_t>(state().template get<environment::Status>(env));
+  }
+  auto context(std::int64_t env) const {
+    fetched();
+    return Base::context(env);
+  }
+
+  // As on the host.
+  template <class P> void set(parameters_t<P, double> const& k) { changed().template set<P>(k); }
+  template <class P> void set(std::int64_t env, parameters_t<P, double> const& k) {
+    changed().template set<P>(env, k);
+  }
+  void add_particles(std::int64_t env, std::span<Vec3<double> const> positions, double density,
+                     double volume) requires(Scene_::has_body) {
+    changed().add_particles(env, positions, density, volume);
+  }
+  void restore(Store const& source) { changed().restore(source); }
+  void clone(std::int64_t from, std::int64_t to) { changed().clone(from, to); }
+
+  // Makes the present state the one that reset() returns to; it lies on the device.
+  void remember();
+  // Puts environments (all of them, or those with a non-zero mask) back to the remembered state, exactly.
+  void reset() { reset_where(nullptr); }
+  void reset(std::span<unsigned char const> mask);
+
+  // Advances every environment by h [s], each with its own number of substeps; with a mask, those where it is not 0.
+  // Returns before the device has done so.
+  void step(double h, std::span<unsigned char const> mask = {});
+
+  // Masks in the memory of the device: nothing is copied, nothing waits. Null: all environments.
+  void step_where(double h, unsigned char const* mask);
+  void reset_where(unsigned char const* mask);
+  // Sends what the host has changed; allocates nothing unless it changed how many slots are in use.
+  void send();
+  // Waits until the device has done all that it was told.
+  void wait() const;
+
+  // A field in the memory of the device, valid as long as this run.
+  template <class F> DeviceArray array() {
+    send();
+    auto const& table = Base::state_.template table<typename F::Domain>();
+    std::int64_t const capacity = table.capacity(), plane = environments() * capacity;
+    return {plane_of(field_index<F>()),
+            {environments(), capacity, F::components},
+            {capacity, 1, plane},
+            static_cast<int>(sizeof(element_t<F, T>)),
+            !std::is_same_v<element_t<F, T>, T>};
+  }
+
+  // How a step is carried out, and why.
+  std::string execution() const;
+
+ private:
+  struct Device;  // in backend/cuda/simulation.cuh
+
+  // The place of a field in the list of all that are stored.
+  template <class F> static constexpr int field_index() {
+    return []<class... Fs>(Fields<Fs...>) {
+      int at = 0;
+      static_cast<void>((... || (std::is_same_v<F, Fs> || (++at, false))));
+      return at;
+    }(typename Store::List{});
+  }
+  void* plane_of(int field) const;
+
+  Store& fetched() const;
+  Base& changed() {
+    fetched();
+    host_is_newer_ = true;
+    return *this;
+  }
+
+  std::unique_ptr<Device> device_;
+  mutable bool host_is_newer_ = true;
+  mutable bool device_is_newer_ = false;
+};
+
+}  // namespace mpmpbd

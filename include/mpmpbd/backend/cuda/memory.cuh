@@ -1,0 +1,69 @@
+// Device memory and the errors of the CUDA run-time, as sentences.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace mpmpbd::cuda {
+
+// Throws std::runtime_error: what was tried, and what CUDA says.
+inline void require(cudaError_t e, std::string const& what) {
+  if (e == cudaSuccess) return;
+  cudaGetLastError();  // so that the next call does not report it again
+  throw std::runtime_error("mpmpbd Cuda: " + what + " failed: " + cudaGetErrorString(e));
+}
+
+// Calls on another device than the thread's present one.
+class OnDevice {
+ public:
+  explicit OnDevice(int device) {
+    cudaGetDevice(&before_);
+    if (before_ != device) cudaSetDevice(device);
+  }
+  ~OnDevice() { cudaSetDevice(before_); }
+  OnDevice(OnDevice const&) = delete;
+  OnDevice& operator=(OnDevice const&) = delete;
+
+ private:
+  int before_ = 0;
+};
+
+// Bytes on the present device.
+class Memory {
+ public:
+  Memory() = default;
+  // Refused before anything is allocated when there is not enough.
+  explicit Memory(std::size_t bytes) : bytes_(bytes) {
+    if (bytes == 0) return;
+    std::size_t free = 0, all = 0;
+    require(cudaMemGetInfo(&free, &all), "asking for the free memory");
+    if (bytes > free)
+      throw std::runtime_error("mpmpbd Cuda: " + std::to_string(bytes >> 20) + " MiB needed, " +
+                               std::to_string(free >> 20) +
+                               " MiB of the device are free; use fewer environments");
+    require(cudaMalloc(&data_, bytes), "allocating " + std::to_string(bytes) + " bytes");
+  }
+  Memory(Memory&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)), bytes_(std::exchange(other.bytes_, 0)) {}
+  Memory& operator=(Memory&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+  ~Memory() { cudaFree(data_); }
+
+  std::size_t bytes() const { return bytes_; }
+  template <class U = char> U* as(std::size_t offset = 0) const {
+    return reinterpret_cast<U*>(static_cast<char*>(data_) + offset);
+  }
+
+ private:
+  void* data_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace mpmpbd::cuda

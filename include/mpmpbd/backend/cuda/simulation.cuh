@@ -1,0 +1,319 @@
+// What Simulation<Scene, Cuda> does on the device: memory, transfers and launches.
+#pragma once
+
+#include <algorithm>
+
+#include <mpmpbd/backend/cuda.hpp>
+#include <mpmpbd/backend/cuda/memory.cuh>
+#include <mpmpbd/backend/cuda/resident.cuh>
+
+namespace mpmpbd {
+
+namespace cuda {
+
+// Puts environments back to a remembered state; a block each.
+template <class Scene>
+__global__ void reset(TablesOf<Scene, float> const tables, TablesOf<Scene, float> const initial,
+                      unsigned char const* mask) {
+  std::int64_t const env = blockIdx.x;
+  if (mask != nullptr && mask[env] == 0) return;
+  auto const fields = tables.environment(env);
+  auto const episode = fields.template get<environment::Episode>(0);
+  __syncthreads();
+  tables.copy_environment(env, initial, env);
+  __syncthreads();
+  if (threadIdx.x == 0) fields.template set<environment::Episode>(0, episode + 1);
+}
+
+// Where the planes of a store lie within one piece of memory.
+template <class Store> struct Layout {
+  template <class F> static std::size_t bytes_of(Store const& store) {
+    return store.template table<typename F::Domain>().template planes<F>().size() *
+           sizeof(element_t<F, typename Store::Scalar>);
+  }
+  static std::size_t aligned(std::size_t n) { return (n + 255) / 256 * 256; }
+
+  // Calls f(F, bytes, offset) for every field and g(D, bytes, offset) for the live counts of every domain; returns
+  // the bytes of all.
+  template <class OnField, class OnDomain>
+  static std::size_t walk(Store const& store, OnField&& f, OnDomain&& g) {
+    std::size_t at = 0;
+    for_each_field(typename Store::List{}, [&]<class F>(F field) {
+      std::size_t const n = bytes_of<F>(store);
+      f(field, n, at);
+      at += aligned(n);
+    });
+    for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D> domain) {
+      std::size_t const n = static_cast<std::size_t>(store.environments()) * sizeof(std::int64_t);
+      g(domain, n, at);
+      at += aligned(n);
+    });
+    return at;
+  }
+  static std::size_t bytes(Store const& store) {
+    return walk(
+        store, [](auto...) {}, [](auto...) {});
+  }
+};
+
+}  // namespace cuda
+
+template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
+  static_assert(
+      std::is_same_v<T, float>,
+      "mpmpbd Simulation<Scene, Cuda, T>: resident execution adds up in 32-bit fixed point, which "
+      "is made for float; take float");
+  static_assert(
+      Scene_::has_body,
+      "mpmpbd Simulation<Scene, Cuda>: threads without tissue do not run on a device yet; take "
+      "Serial or Threads");
+  static_assert(
+      !Scene_::Body::Transfer::needs_previous_grid,
+      "mpmpbd Simulation<Scene, Cuda>: FLIP needs the grid before forces too, which does not fit "
+      "beside the grid in shared memory; take Apic, Tpic or Pic");
+  using Layout = cuda::Layout<Store>;
+  using Tables = cuda::TablesOf<Scene, float>;
+  using Block = cuda::ResidentBlock<Scene>;
+  static constexpr int most_threads = 512;
+
+  Cuda where;
+  cudaStream_t stream;
+  std::int64_t shared_bytes, shared_limit = 0;
+  cuda::Memory now, initial, work, mask;
+  std::size_t work_stride = 0, waiting_at = 0, slots_at = 0;
+
+  Device(Cuda where_, Base const& run)
+      : where(where_),
+        stream(static_cast<cudaStream_t>(where_.stream)),
+        shared_bytes(Block::shared_bytes(run.lattice().count())) {
+    if (where.threads < Block::fewest_threads || where.threads > most_threads ||
+        where.threads % 32 != 0)
+      throw std::invalid_argument("mpmpbd Cuda: threads = " + std::to_string(where.threads) +
+                                  "; give a multiple of 32 from " +
+                                  std::to_string(Block::fewest_threads) + " to " +
+                                  std::to_string(most_threads));
+    int count = 0;
+    if (cudaGetDeviceCount(&count) != cudaSuccess || where.device < 0 || where.device >= count) {
+      cudaGetLastError();
+      throw std::runtime_error("mpmpbd Cuda: device " + std::to_string(where.device) +
+                               " asked for; there are " + std::to_string(count) +
+                               " with a working driver");
+    }
+    cuda::OnDevice const here(where.device);
+    int most = 0;
+    cuda::require(
+        cudaDeviceGetAttribute(&most, cudaDevAttrMaxSharedMemoryPerBlockOptin, where.device),
+        "asking for the shared memory");
+    shared_limit = most;
+    if (shared_bytes > shared_limit)
+      throw std::runtime_error("mpmpbd Cuda: " + execution() +
+                               "; use a grid of fewer nodes or larger cells");
+    cuda::require(cudaFuncSetAttribute(cuda::step<Scene, most_threads>,
+                                       cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                       static_cast<int>(shared_bytes)),
+                  "reserving shared memory for a program of this architecture");
+    now = cuda::Memory(Layout::bytes(run.state()));
+    initial = cuda::Memory(now.bytes());
+    mask = cuda::Memory(static_cast<std::size_t>(run.environments()));
+  }
+
+  std::string execution() const {
+    return "resident: the grid of an environment takes " + std::to_string(shared_bytes) +
+           " bytes of " + std::to_string(shared_limit) + " of shared memory per block";
+  }
+
+  Tables tables(Store const& store, cuda::Memory const& memory) const {
+    Tables t{};
+    Layout::walk(
+        store,
+        [&]<class F>(F, std::size_t, std::size_t at) {
+          auto& view = t.template of<typename F::Domain>().view;
+          auto const& table = store.template table<typename F::Domain>();
+          view.capacity = table.capacity();
+          view.stride = store.environments() * table.capacity();
+          static_cast<detail::Plane<T, F>&>(view).data = memory.as<element_t<F, T>>(at);
+        },
+        [&]<class D>(std::type_identity<D>, std::size_t, std::size_t at) {
+          t.template of<D>().live = memory.as<std::int64_t>(at);
+        });
+    return t;
+  }
+
+  // All of a store to the device; live counts are few and go through a copy.
+  void send(Store const& store) {
+    Layout::walk(
+        store,
+        [&]<class F>(F, std::size_t n, std::size_t at) {
+          auto const& from = store.template table<typename F::Domain>().template planes<F>();
+          copy(now.as(at), from.data(), n, cudaMemcpyHostToDevice);
+        },
+        [&]<class D>(std::type_identity<D>, std::size_t n, std::size_t at) {
+          std::vector<std::int64_t> live;
+          for (std::int64_t e = 0; e < store.environments(); ++e)
+            live.push_back(store.template table<D>().live(e));
+          copy(now.as(at), live.data(), n, cudaMemcpyHostToDevice);
+          cuda::require(cudaStreamSynchronize(stream), "sending");
+        });
+  }
+  void fetch(Store& store) const {
+    Layout::walk(
+        store,
+        [&]<class F>(F, std::size_t n, std::size_t at) {
+          auto& to = store.template table<typename F::Domain>().template planes<F>();
+          copy(to.data(), now.as(at), n, cudaMemcpyDeviceToHost);
+        },
+        [&]<class D>(std::type_identity<D>, std::size_t n, std::size_t at) {
+          std::vector<std::int64_t> live(static_cast<std::size_t>(store.environments()));
+          copy(live.data(), now.as(at), n, cudaMemcpyDeviceToHost);
+          cuda::require(cudaStreamSynchronize(stream), "fetching");
+          for (std::int64_t e = 0; e < store.environments(); ++e)
+            store.template table<D>().set_live(e, live[static_cast<std::size_t>(e)]);
+        });
+  }
+  void copy(void* to, void const* from, std::size_t n, cudaMemcpyKind way) const {
+    if (n > 0) cuda::require(cudaMemcpyAsync(to, from, n, way, stream), "copying");
+  }
+
+  // Work memory for the present numbers of beads, points and the like: it grows, and never holds history.
+  template <class Contexts> void reserve(Base& run, Contexts const& context_of) {
+    std::size_t bytes = 16;
+    for (std::int64_t e = 0; e < run.environments(); ++e)
+      bytes = std::max(bytes, scratch_bytes(run.state(), e, context_of(e)));
+    bytes = Layout::aligned(bytes);
+    if (bytes <= work_stride) return;
+    auto const n = static_cast<std::size_t>(run.environments());
+    auto const nodes = static_cast<std::size_t>(run.lattice().count());
+    auto const slots = static_cast<std::size_t>(run.state().template table<Particles>().capacity());
+    work_stride = bytes;
+    waiting_at = n * bytes;
+    slots_at = waiting_at + n * slots * sizeof(int);
+    work = cuda::Memory{};
+    work = cuda::Memory(slots_at + n * nodes * sizeof(int));
+    cuda::require(cudaMemsetAsync(work.as(slots_at), 0xff, n * nodes * sizeof(int), stream),
+                  "clearing work memory");
+  }
+  template <class Ctx>
+  static std::size_t scratch_bytes(Store& store, std::int64_t env, Ctx const& context) {
+    std::size_t most = 0;
+    auto const fields = access_environment(store, env, typename Store::Domains{});
+    for_each_type(typename Scene::Substep::Stages{}, [&]<class S>(std::type_identity<S>) {
+      if constexpr (requires { S::scratch_bytes(fields, context); })
+        most = std::max(most, S::scratch_bytes(fields, context));
+    });
+    return most;
+  }
+
+  void step(Base const& run, double h, unsigned char const* of) const {
+    cuda::Launch<Scene> const launch{tables(run.state(), now),
+                                     run.lattice(),
+                                     h,
+                                     run.options().substep_choice(),
+                                     of,
+                                     work.as(),
+                                     static_cast<std::int64_t>(work_stride),
+                                     work.as<int>(slots_at),
+                                     work.as<int>(waiting_at)};
+    start("a step", cuda::step<Scene, most_threads>, run.environments(), where.threads,
+          static_cast<std::size_t>(shared_bytes), launch);
+  }
+  void reset(Base const& run, unsigned char const* of) const {
+    start("a reset", cuda::reset<Scene>, run.environments(), 256, 0, tables(run.state(), now),
+          tables(run.state(), initial), of);
+  }
+  template <class... Args>
+  void start(std::string const& what, void (*kernel)(Args...), std::int64_t blocks, int of_threads,
+             std::size_t bytes, std::remove_cvref_t<Args>... args) const {
+    void* list[] = {const_cast<void*>(static_cast<void const*>(&args))...};
+    cuda::require(cudaLaunchKernel(kernel, dim3(static_cast<unsigned>(blocks)),
+                                   dim3(static_cast<unsigned>(of_threads)), list, bytes, stream),
+                  "launching " + what);
+  }
+  unsigned char const* upload(std::span<unsigned char const> of) const {
+    if (of.empty()) return nullptr;
+    copy(mask.as(), of.data(), of.size(), cudaMemcpyHostToDevice);
+    return mask.as<unsigned char>();
+  }
+};
+
+template <class Scene_, class T>
+Simulation<Scene_, Cuda, T>::Simulation(SimulationOptions how, Cuda where)
+    : Base(std::move(how)),
+      device_(std::make_unique<Device>(where, static_cast<Base const&>(*this))) {
+  remember();
+}
+template <class Scene_, class T> Simulation<Scene_, Cuda, T>::~Simulation() = default;
+template <class Scene_, class T>
+Simulation<Scene_, Cuda, T>::Simulation(Simulation&&) noexcept = default;
+
+template <class Scene_, class T> auto Simulation<Scene_, Cuda, T>::fetched() const -> Store& {
+  auto& own = const_cast<Store&>(Base::state_);
+  if (device_is_newer_) {
+    cuda::OnDevice const here(device_->where.device);
+    device_->fetch(own);
+    device_is_newer_ = false;
+  }
+  return own;
+}
+template <class Scene_, class T> void Simulation<Scene_, Cuda, T>::send() {
+  if (!host_is_newer_) return;
+  cuda::OnDevice const here(device_->where.device);
+  device_->reserve(*this, [this](std::int64_t env) { return Base::context_of(env); });
+  device_->send(Base::state_);
+  host_is_newer_ = false;
+}
+template <class Scene_, class T> void Simulation<Scene_, Cuda, T>::wait() const {
+  cuda::require(cudaStreamSynchronize(device_->stream), "waiting for the device");
+}
+
+template <class Scene_, class T> void Simulation<Scene_, Cuda, T>::remember() {
+  send();
+  cuda::OnDevice const here(device_->where.device);
+  device_->copy(device_->initial.as(), device_->now.as(), device_->now.bytes(),
+                cudaMemcpyDeviceToDevice);
+}
+template <class Scene_, class T>
+void Simulation<Scene_, Cuda, T>::reset(std::span<unsigned char const> mask) {
+  Base::check_mask(mask);
+  cuda::OnDevice const here(device_->where.device);
+  reset_where(device_->upload(mask));
+}
+template <class Scene_, class T>
+void Simulation<Scene_, Cuda, T>::reset_where(unsigned char const* mask) {
+  send();
+  cuda::OnDevice const here(device_->where.device);
+  device_->reset(*this, mask);
+  device_is_newer_ = true;
+}
+
+template <class Scene_, class T>
+void Simulation<Scene_, Cuda, T>::step(double h, std::span<unsigned char const> mask) {
+  detail::check_step(h);
+  if (!mask.empty()) Base::check_mask(mask);
+  cuda::OnDevice const here(device_->where.device);
+  step_where(h, device_->upload(mask));
+}
+template <class Scene_, class T>
+void Simulation<Scene_, Cuda, T>::step_where(double h, unsigned char const* mask) {
+  detail::check_step(h);
+  send();
+  cuda::OnDevice const here(device_->where.device);
+  device_->step(*this, h, mask);
+  device_is_newer_ = true;
+}
+
+template <class Scene_, class T> void* Simulation<Scene_, Cuda, T>::plane_of(int field) const {
+  void* found = nullptr;
+  int i = 0;
+  cuda::Layout<Store>::walk(
+      Base::state_,
+      [&](auto, std::size_t, std::size_t at) {
+        if (i++ == field) found = device_->now.as(at);
+      },
+      [](auto...) {});
+  return found;
+}
+template <class Scene_, class T> std::string Simulation<Scene_, Cuda, T>::execution() const {
+  return device_->execution();
+}
+
+}  // namespace mpmpbd

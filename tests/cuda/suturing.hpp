@@ -1,0 +1,92 @@
+// The suturing scene on an emulated device, in a grid that fits into the shared memory of one block.
+#pragma once
+
+#include <cstring>
+
+#include <mpmpbd/backend/cuda/simulation.cuh>
+#include <mpmpbd/backend/serial.hpp>
+#include <mpmpbd/catalog/suturing.hpp>
+#include <mpmpbd/catalog/suturing_hand.hpp>
+
+namespace test {
+
+using namespace mpmpbd;
+
+using OnHost = Simulation<Suturing, Serial, float>;
+using OnDevice = Simulation<Suturing, Cuda, float>;
+
+inline SuturingConfig config() {
+  SuturingConfig c;
+  c.domain.size = {{2.5, 1.5, 1.5}};
+  c.tissue.corner = {{0.25, 0.25, 0.25}};
+  c.tissue.points = {{24, 12, 12}};
+  return c;
+}
+
+// A hand drives the needle; after `steps` of it the needle is in tissue, and the thread follows.
+inline constexpr int steps_to_tissue = 400;
+template <class Run> void drive(Run& run, SuturingConfig const& c, int first, int steps) {
+  suturing::ScriptedHand const hand{c.script()};
+  double const h = c.time.step;
+  for (int s = first; s < first + steps; ++s) {
+    for (std::int64_t env = 0; env < run.environments(); ++env) hand.command(run, env, s * h, h);
+    run.step(h);
+  }
+}
+
+// One environment with the needle in tissue, found once.
+inline OnHost const& stitch_under_way() {
+  static OnHost const run = [] {
+    auto const c = config();
+    OnHost r(suturing::options(c));
+    suturing::set_up(r, 0, c);
+    drive(r, c, 0, steps_to_tissue);
+    return r;
+  }();
+  return run;
+}
+
+// Environments of a run that are copies of one of another.
+template <class Run> void fill(Run& run, OnHost const& source) {
+  for (std::int64_t env = 0; env < run.environments(); ++env)
+    run.state().copy_environment(env, source.state(), 0);
+}
+inline OnDevice device_run(std::int64_t environments, Cuda where = {}) {
+  OnDevice run(suturing::options(config(), environments), where);
+  fill(run, stitch_under_way());
+  return run;
+}
+
+// Whether environments of two stores hold the same bits in all fields.
+template <class Store>
+bool same_bits(Store const& a, std::int64_t env_a, Store const& b, std::int64_t env_b) {
+  bool same = true;
+  for_each_field(typename Store::List{}, [&]<class F>(F) {
+    auto const &x = a.template table<typename F::Domain>(),
+               &y = b.template table<typename F::Domain>();
+    auto const n = static_cast<std::size_t>(x.capacity());
+    for (int c = 0; c < F::components; ++c) {
+      auto const* p = x.template planes<F>().data() + (c * a.environments() + env_a) * x.capacity();
+      auto const* q = y.template planes<F>().data() + (c * b.environments() + env_b) * y.capacity();
+      same = same && std::memcmp(p, q, n * sizeof(*p)) == 0;
+    }
+  });
+  return same;
+}
+
+// Largest difference of a field, environment 0 [unit of the field].
+template <class F, class Store> double difference(Store const& a, Store const& b) {
+  auto const &x = a.template table<typename F::Domain>(),
+             &y = b.template table<typename F::Domain>();
+  double worst = 0;
+  for (std::int64_t slot = 0; slot < x.live(0); ++slot)
+    for (int c = 0; c < F::components; ++c) {
+      auto const i = static_cast<std::size_t>(c * a.environments() * x.capacity() + slot);
+      auto const j = static_cast<std::size_t>(c * b.environments() * y.capacity() + slot);
+      worst = std::max(
+          worst, std::abs(double(x.template planes<F>()[i]) - double(y.template planes<F>()[j])));
+    }
+  return worst;
+}
+
+}  // namespace test

@@ -1,0 +1,183 @@
+// Resident execution on a GPU: tissue alone, and tissue with a thread drawn through it, give what the serial back end
+// gives, and the same bits for any number of environments and threads of a block.
+//
+// tests/cuda has the same on an emulated device, and more of it.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include <mpmpbd/backend/cuda/simulation.cuh>
+#include <mpmpbd/backend/serial.hpp>
+#include <mpmpbd/coupling/embedded.hpp>
+#include <mpmpbd/effects/gravity.hpp>
+#include <mpmpbd/effects/walls.hpp>
+#include <mpmpbd/mpm/materials/neo_hookean.hpp>
+#include <mpmpbd/pbd/rod_builder.hpp>
+#include <mpmpbd/scene/simulation.hpp>
+
+namespace {
+
+using namespace mpmpbd;
+
+struct Tissue : Mpm<NeoHookean> {};
+struct Thread : Pbd<Constraints<Distance, Bend>> {};
+using Floor = Wall<Sticky, 2, Side::low>;
+struct Threaded : Scene<Tissue, Thread, Coupling<Embedded, Friction>, Gravity, Floor> {};
+struct TissueAlone : Scene<Tissue, Gravity, Floor> {};
+
+constexpr int beads = 20, substeps = 4, particles = 43 * 21 * 22;
+constexpr double dx = 0.1, step = 0.004;
+
+template <class Scene> SimulationOptions options(std::int64_t environments) {
+  SimulationOptions o;
+  o.environments = environments;
+  o.cell_size = dx;
+  o.nodes[0] = 26;
+  o.nodes[1] = o.nodes[2] = 16;
+  o.capacity = {{"particle", particles}};
+  if constexpr (Scene::has_rods)
+    for (Capacity const& more : {Capacity{"bead", beads}, Capacity{"Distance", beads - 1},
+                                 Capacity{"Bend", beads - 2}, Capacity{"contact point", beads}})
+      o.capacity.push_back(more);
+  o.substeps = substeps;
+  return o;
+}
+
+template <class Run> void add_tissue(Run& run, std::int64_t env) {
+  std::vector<Vec3<double>> x;
+  for (int k = 0; k < 22; ++k)
+    for (int j = 0; j < 21; ++j)
+      for (int i = 0; i < 43; ++i)
+        x.push_back({{0.3 + 2.0 * (i + 0.5) / 43, 0.3 + (j + 0.5) / 21, 0.3 + (k + 0.5) / 22}});
+  run.template set<NeoHookean>(env, lame(5e5, 0.4));
+  run.template set<Gravity>(env, {{0.0, 0.0, -9.81}});
+  run.template set<Floor>(env, {0.3});
+  run.add_particles(env, std::span<Vec3<double> const>(x.data(), x.size()), 1000.0,
+                    2.0 / particles);
+  for (int p = 0; p < particles; ++p)
+    run.state().template set<particle::Velocity>(
+        env, p,
+        {{0.1f * float(env % 3) * std::sin(3.0f * float(x[std::size_t(p)][1])), 0.0f, 0.0f}});
+}
+
+// A thread drawn through the block in a shallow arc; its free ends stand out at both sides.
+template <class Run> void add_thread_through(Run& run, std::int64_t env) {
+  std::vector<Vec3<double>> line;
+  for (int k = 0; k < beads; ++k) {
+    double const s = double(k) / (beads - 1) - 0.5;
+    line.push_back({{1.31 + 1.6 * s, 0.82 + 0.07 * s, 1.22 - 0.32 * std::cos(2.4 * s)}});
+  }
+  RodAssembly<Thread> rod;
+  add_thread(rod, std::span<Vec3<double> const>(line.data(), line.size()),
+             RodMaterial{2e6, 0.006, 1140.0}, RestShape::as_placed);
+  rod.write(run.state(), env);
+  run.state().template table<ContactPoints>().set_live(env, beads);
+  run.template set<Embedded>(env, {0.006});
+  run.template set<Friction>(env, {0.2, 100.0});
+  for (int k = 0; k < beads; ++k)  // pulled along itself, and sideways
+    run.state().template set<bead::Velocity>(env, k,
+                                             {{0.6f, 0.1f * float(env % 3), 0.05f * float(k % 4)}});
+}
+
+template <class Scene, class Backend, class Where = Backend>
+auto make_run(std::int64_t environments, Where where = {}) {
+  Simulation<Scene, Backend, float> run(options<Scene>(environments), where);
+  for (std::int64_t e = 0; e < environments; ++e) {
+    add_tissue(run, e);
+    if constexpr (Scene::has_rods) add_thread_through(run, e);
+  }
+  return run;
+}
+
+template <class Run> auto const& read(Run const& run) { return run.state(); }
+
+// Largest difference of a field, all environments [unit of the field].
+template <class F, class Store> double difference(Store const& a, Store const& b) {
+  auto const& x = a.template table<typename F::Domain>().template planes<F>();
+  auto const& y = b.template table<typename F::Domain>().template planes<F>();
+  double worst = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    double const d = std::fabs(double(x[i]) - double(y[i]));
+    worst = d <= worst ? worst : d;  // a NaN is kept
+  }
+  return worst;
+}
+template <class F, class Store> bool same_first(Store const& a, Store const& b) {
+  auto const slots = a.template table<typename F::Domain>().live(0);
+  bool same = true;
+  for (std::int64_t i = 0; i < slots; ++i) {
+    auto const x = a.template get<F>(0, i), y = b.template get<F>(0, i);
+    same = same && std::memcmp(&x, &y, sizeof x) == 0;
+  }
+  return same;
+}
+
+int passed = 0, failed = 0;
+void check(bool ok, char const* scene, char const* what, double value = 0) {
+  std::printf("%s: %s: %s (%.3g)\n", ok ? "pass" : "FAIL", scene, what, value);
+  (ok ? passed : failed) += 1;
+}
+
+// Five standard deviations of what fixed point leaves in a velocity: tests/cuda/resident_suturing.cpp.
+double rounding() {
+  return 5.0 * std::sqrt(27.0 * 27.0 / 12.0 * substeps) / double(cuda::FixedPoint::scale) * dx *
+         substeps / step;
+}
+
+template <class Scene> void compare(char const* name) {
+  auto serial = make_run<Scene, Serial>(3);
+  auto device = make_run<Scene, Cuda>(3);
+  auto narrow = make_run<Scene, Cuda>(3, Cuda{0, nullptr, 256});
+  auto alone = make_run<Scene, Cuda>(1);
+  serial.step(step), device.step(step), narrow.step(step), alone.step(step);
+  auto const &d = read(device), &s = read(serial);
+  double const v = rounding();
+  auto within = [&](char const* what, double got, double allowed) {
+    check(got < allowed, name, what, got);
+  };
+  within("positions equal the serial back end's [m]", difference<particle::Position>(d, s),
+         v * step);
+  within("velocities equal the serial back end's [m/s]", difference<particle::Velocity>(d, s), v);
+  if constexpr (Scene::has_rods) {
+    within("thread positions equal them [m]", difference<bead::Position>(d, s), v * step);
+    within("thread velocities equal them [m/s]", difference<bead::Velocity>(d, s), v);
+    check(s.template get<contact::Impulse>(0, 10)[0] != 0.0f, name,
+          "the thread exchanges impulses");
+    check(same_first<bead::Position>(d, read(narrow)), name, "256 threads give the thread's bits");
+    check(same_first<bead::Position>(d, read(alone)), name, "alone the thread has the same bits");
+  }
+  check(device.status(0) == serial.status(0), name, "the status is that of the serial back end");
+  check(same_first<particle::Position>(d, read(narrow)), name, "256 threads give the same bits");
+  check(same_first<particle::Position>(d, read(alone)), name, "alone it has the same bits");
+}
+
+template <class Scene> double ns_per_particle_substep(std::int64_t environments) {
+  Simulation<Scene, Cuda, float> run(options<Scene>(environments));
+  auto const one = make_run<Scene, Serial>(1);
+  for (std::int64_t e = 0; e < environments; ++e) run.state().copy_environment(e, one.state(), 0);
+  run.step(step);
+  run.wait();
+  int const steps = 20;
+  auto const begun = std::chrono::steady_clock::now();
+  for (int i = 0; i < steps; ++i) run.step(step);
+  run.wait();
+  std::chrono::duration<double, std::nano> const took = std::chrono::steady_clock::now() - begun;
+  return took.count() / steps / substeps / double(environments) / particles;
+}
+
+}  // namespace
+
+int main() {
+  compare<TissueAlone>("tissue alone");
+  compare<Threaded>("tissue and thread");
+  for (std::int64_t environments : {1, 132, 1056})
+    std::printf(
+        "%d environments of %d particles, %d substeps: %.4f ns per particle-substep; with a thread of %d beads %.4f\n",
+        int(environments), particles, substeps, ns_per_particle_substep<TissueAlone>(environments),
+        beads, ns_per_particle_substep<Threaded>(environments));
+  std::printf("%d passed, %d failed\n", passed, failed);
+  return failed == 0 ? 0 : 1;
+}

@@ -1,0 +1,251 @@
+// A CUDA device made of plain C++, so that kernels are tested where there is no GPU.
+//
+// Stands in for the header of the same name when its folder comes first. The threads of a block are fibers on one
+// thread of the host; they change places at barriers only, in an order drawn from `emulated::seed`. What depends on
+// the order of threads then shows as other bits, and a barrier that not all reach as a deadlock, which is reported.
+//
+// Not emulated: races between two barriers, clusters, more than one block at a time.
+#pragma once
+
+#include <ucontext.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#define __global__
+#define __device__
+#define __host__
+#define __forceinline__ inline
+#define __noinline__ __attribute__((noinline))
+#define __shared__
+#define __grid_constant__
+#define __launch_bounds__(...)
+
+struct uint3 {
+  unsigned x, y, z;
+};
+struct dim3 {
+  unsigned x, y, z;
+  dim3(unsigned x_ = 1, unsigned y_ = 1, unsigned z_ = 1) : x(x_), y(y_), z(z_) {}
+};
+struct alignas(16) float4 {
+  float x, y, z, w;
+};
+inline float4 make_float4(float x, float y, float z, float w) { return {x, y, z, w}; }
+
+inline uint3 threadIdx{}, blockIdx{};
+inline dim3 blockDim{}, gridDim{};
+
+// What `extern __shared__ char dynamic_shared_memory[]` of a kernel names.
+namespace mpmpbd::cuda {
+alignas(16) inline char dynamic_shared_memory[232448];
+}  // namespace mpmpbd::cuda
+
+namespace emulated {
+
+// What tests choose.
+inline unsigned seed = 1;
+inline int devices = 1;
+inline std::size_t free_bytes = std::size_t{1} << 34;
+inline int shared_bytes_per_block = 232448;
+inline int launches = 0, allocations = 0;  // counted
+
+// One block of threads.
+class Block {
+ public:
+  static Block*& running() {
+    static Block* block = nullptr;
+    return block;
+  }
+
+  Block(unsigned threads, std::function<void()> kernel) : kernel_(std::move(kernel)), state_(seed) {
+    fibers_.resize(threads);
+    for (unsigned t = 0; t < threads; ++t) start(t);
+  }
+  void run() {
+    running() = this;
+    while (left_ > 0) resume(next());
+    running() = nullptr;
+  }
+  // The present thread waits until `count` threads have come to barrier `id`.
+  void wait(unsigned id, unsigned count) {
+    Barrier& b = barriers_[id];
+    if (++b.here == count) {
+      b.here = 0;
+      for (unsigned t : b.waiting) fibers_[t].waits = false;
+      b.waiting.clear();
+    } else {
+      b.waiting.push_back(threadIdx.x);
+      fibers_[threadIdx.x].waits = true;
+    }
+    unsigned const self = threadIdx.x;
+    swapcontext(&fibers_[self].context, &scheduler_);
+  }
+  // What all lanes of the present warp bring, by lane.
+  std::vector<int> const& gather(int value) {
+    unsigned const warp = threadIdx.x / 32;
+    auto& values = warps_[warp];
+    values.resize(32);
+    wait(first_warp_barrier + 2 * warp, 32);  // all have read what was there before
+    values[threadIdx.x % 32] = value;
+    wait(first_warp_barrier + 2 * warp + 1, 32);
+    return values;
+  }
+
+ private:
+  static constexpr unsigned first_warp_barrier = 1000;
+  static constexpr std::size_t stack_bytes = std::size_t{1} << 18;
+  struct Fiber {
+    ucontext_t context;
+    std::unique_ptr<char[]> stack;
+    bool waits = false, ended = false;
+  };
+  struct Barrier {
+    unsigned here = 0;
+    std::vector<unsigned> waiting;
+  };
+
+  void start(unsigned t) {
+    Fiber& f = fibers_[t];
+    f.stack = std::make_unique_for_overwrite<char[]>(stack_bytes);
+    getcontext(&f.context);
+    f.context.uc_stack.ss_sp = f.stack.get();
+    f.context.uc_stack.ss_size = stack_bytes;
+    f.context.uc_link = &scheduler_;
+    makecontext(&f.context, &Block::enter, 0);
+    ++left_;
+  }
+  static void enter() {
+    running()->kernel_();
+    Block& block = *running();
+    block.fibers_[threadIdx.x].ended = true;
+    --block.left_;
+  }
+  unsigned next() {
+    std::vector<unsigned>& ready = ready_;
+    ready.clear();
+    for (unsigned t = 0; t < fibers_.size(); ++t)
+      if (!fibers_[t].waits && !fibers_[t].ended) ready.push_back(t);
+    if (ready.empty()) {
+      std::fprintf(stderr, "emulated CUDA: %u threads wait at barriers that not all reach:", left_);
+      for (auto const& [id, b] : barriers_)
+        if (b.here > 0) std::fprintf(stderr, " barrier %u: %u;", id, b.here);
+      std::fprintf(stderr, "\n");
+      std::abort();
+    }
+    state_ = state_ * 1664525u + 1013904223u;
+    return ready[(state_ >> 8) % ready.size()];
+  }
+  void resume(unsigned t) {
+    threadIdx = {t, 0, 0};
+    swapcontext(&scheduler_, &fibers_[t].context);
+  }
+
+  std::function<void()> kernel_;
+  unsigned state_;
+  unsigned left_ = 0;
+  ucontext_t scheduler_{};
+  std::vector<Fiber> fibers_;
+  std::vector<unsigned> ready_;
+  std::map<unsigned, Barrier> barriers_;
+  std::map<unsigned, std::vector<int>> warps_;
+};
+
+template <class... Args, std::size_t... i>
+void call(void (*kernel)(Args...), void** args, std::index_sequence<i...>) {
+  kernel(*static_cast<std::remove_cvref_t<Args>*>(args[i])...);
+}
+
+}  // namespace emulated
+
+inline void __syncthreads() { emulated::Block::running()->wait(0, blockDim.x); }
+inline void __barrier_sync_count(unsigned id, unsigned count) {
+  emulated::Block::running()->wait(id, count);
+}
+inline void __threadfence_block() {}
+inline int __shfl_sync(unsigned, int value, int lane) {
+  return emulated::Block::running()->gather(value)[static_cast<std::size_t>(lane)];
+}
+inline unsigned __ballot_sync(unsigned, bool value) {
+  auto const& all = emulated::Block::running()->gather(value ? 1 : 0);
+  unsigned bits = 0;
+  for (unsigned lane = 0; lane < 32; ++lane) bits |= static_cast<unsigned>(all[lane]) << lane;
+  return bits;
+}
+inline int __popc(unsigned bits) { return std::popcount(bits); }
+inline int __float_as_int(float a) { return std::bit_cast<int>(a); }
+// Saturates, and makes 0 of NaN, as the instruction does.
+inline int __float2int_rn(float a) {
+  if (!(a == a)) return 0;
+  if (a >= 2147483648.0f) return 2147483647;
+  if (a <= -2147483648.0f) return -2147483647 - 1;
+  return static_cast<int>(std::nearbyintf(a));
+}
+template <class T> T atomicAdd(T* to, T value) { return std::exchange(*to, static_cast<T>(*to + value)); }
+inline unsigned atomicOr(unsigned* to, unsigned value) { return std::exchange(*to, *to | value); }
+inline int atomicMax(int* to, int value) { return std::exchange(*to, value > *to ? value : *to); }
+inline int atomicMin(int* to, int value) { return std::exchange(*to, value < *to ? value : *to); }
+inline int atomicCAS(int* to, int expected, int value) {
+  return std::exchange(*to, *to == expected ? value : *to);
+}
+
+// The run-time, as far as the library uses it.
+enum cudaError_t { cudaSuccess, cudaErrorMemoryAllocation, cudaErrorInvalidValue };
+enum cudaMemcpyKind { cudaMemcpyHostToDevice, cudaMemcpyDeviceToHost, cudaMemcpyDeviceToDevice };
+enum cudaDeviceAttr { cudaDevAttrMaxSharedMemoryPerBlockOptin };
+enum cudaFuncAttribute { cudaFuncAttributeMaxDynamicSharedMemorySize };
+using cudaStream_t = struct EmulatedStream*;
+
+inline char const* cudaGetErrorString(cudaError_t) { return "an emulated error"; }
+inline cudaError_t cudaGetLastError() { return cudaSuccess; }
+inline cudaError_t cudaGetDeviceCount(int* count) { return *count = emulated::devices, cudaSuccess; }
+inline cudaError_t cudaGetDevice(int* device) { return *device = 0, cudaSuccess; }
+inline cudaError_t cudaSetDevice(int) { return cudaSuccess; }
+inline cudaError_t cudaStreamSynchronize(cudaStream_t) { return cudaSuccess; }
+inline cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr, int) {
+  return *value = emulated::shared_bytes_per_block, cudaSuccess;
+}
+inline cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* all) {
+  return *free = *all = emulated::free_bytes, cudaSuccess;
+}
+// Memory is not zero at first: what is read before it is written shows.
+inline cudaError_t cudaMalloc(void** memory, std::size_t bytes) {
+  ++emulated::allocations;
+  *memory = std::malloc(bytes);
+  std::memset(*memory, 0xcd, bytes);
+  return cudaSuccess;
+}
+inline cudaError_t cudaFree(void* memory) { return std::free(memory), cudaSuccess; }
+inline cudaError_t cudaMemcpyAsync(void* to, void const* from, std::size_t bytes, cudaMemcpyKind,
+                                   cudaStream_t) {
+  return std::memcpy(to, from, bytes), cudaSuccess;
+}
+inline cudaError_t cudaMemsetAsync(void* to, int value, std::size_t bytes, cudaStream_t) {
+  return std::memset(to, value, bytes), cudaSuccess;
+}
+template <class Kernel> cudaError_t cudaFuncSetAttribute(Kernel*, cudaFuncAttribute, int bytes) {
+  return bytes <= emulated::shared_bytes_per_block ? cudaSuccess : cudaErrorInvalidValue;
+}
+template <class... Args>
+cudaError_t cudaLaunchKernel(void (*kernel)(Args...), dim3 grid, dim3 block, void** args,
+                             std::size_t, cudaStream_t) {
+  ++emulated::launches;
+  gridDim = grid;
+  blockDim = block;
+  for (unsigned b = 0; b < grid.x; ++b) {
+    blockIdx = {b, 0, 0};
+    std::memset(mpmpbd::cuda::dynamic_shared_memory, 0xcd, sizeof mpmpbd::cuda::dynamic_shared_memory);
+    emulated::Block(block.x, [&] {
+      emulated::call(kernel, args, std::index_sequence_for<Args...>{});
+    }).run();
+  }
+  return cudaSuccess;
+}
