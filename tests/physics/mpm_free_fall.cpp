@@ -43,7 +43,9 @@ template <class Body, class T> void check_fall(int particles_per_axis) {
   double const dt = 1.25e-4;
   int const steps = 200;
   for (int s = 0; s < steps; ++s) run.step(dt);
-  CHECK(run.status(0) == 0);
+  // Particles of a linear shape come so close to nodes that no given step is stable, and the run says so.
+  constexpr bool smooth = Body::Shape::inverse_inertia > 0.0;
+  CHECK(run.status(0) == (smooth ? 0u : static_cast<std::uint32_t>(Fault::time_step)));
   double const roundings = 4.0 * steps * double(epsilon<T>);
   double const size = 14.0 * dx, speed = g * dt * steps;
   for (std::size_t p = 0; p < at.size(); ++p) {

@@ -57,7 +57,9 @@ template <class Body, class T = double> std::vector<double> middle(int cells, do
                          .dt = dt};
   Manufactured<Body, StandingWave, T> bar(wave, make);
   bar.advance(10 * cells);
-  CHECK(bar.status() == 0);
+  // Particles of a linear shape come so close to nodes that no given step is stable, and the run says so.
+  constexpr bool smooth = Body::Shape::inverse_inertia > 0.0;
+  CHECK(bar.status() == (smooth ? 0u : static_cast<std::uint32_t>(Fault::time_step)));
   auto const counts = [](Vec3<double> const& X) { return X[0] > 0.0 && X[0] < 1.0; };
   error = bar.error(counts);
   std::vector<double> u;

@@ -6,6 +6,7 @@
 #include <mpmpbd/backend/grid.hpp>
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/coupling/team.hpp>
+#include <mpmpbd/mpm/node_shares.hpp>
 #include <mpmpbd/pbd/access.hpp>
 #include <mpmpbd/scene/scene.hpp>
 #include <mpmpbd/scene/step_bounds.hpp>
@@ -108,12 +109,13 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     auto& of_chunk = work_.bounds;
     of_chunk.assign(static_cast<std::size_t>(chunks()), {});
     auto const view = state_.template view<Particles>();
+    auto const shares = share_nodes();
     lanes_.for_each(chunks(), [&](std::int64_t c, int) {
       auto const chunk = static_cast<std::size_t>(c);
       for_chunk(c, [&](std::int64_t index) {
         Local<T, typename Bounds::Used> p;
         p.load(view, index, typename Bounds::Reads{});
-        work_.faults[chunk] |= Bounds::include(p, context_, of_chunk[chunk]);
+        work_.faults[chunk] |= Bounds::include(p, context_, shares, of_chunk[chunk]);
       });
     });
     StepBounds<T> all;
@@ -121,6 +123,29 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     for (auto f : work_.faults) faults |= f;
     all.speed = max(all.speed, needle_speed<Scene>(access(), context_));
     return all;
+  }
+
+  // How the particles share the nodes, where their limit hangs on that. One after the other: the sums have an order.
+  auto share_nodes() {
+    using Body = typename Scene::Body;
+    if constexpr (has_bounded_stiffness<Body>) {
+      return SharesDoNotMatter{};
+    } else {
+      using Shares = NodeShares<typename Body::Shape, T>;
+      Shares shares(context_.lattice, work_.nodes);
+      auto const view = state_.template view<Particles>();
+      auto const each = [&](auto const& f) {
+        for (std::int64_t c = 0; c < chunks(); ++c)
+          for_chunk(c, [&](std::int64_t index) {
+            Local<T, typename Shares::Reads> p;
+            p.load(view, index, typename Shares::Reads{});
+            f(p);
+          });
+      };
+      each([&](auto const& p) { shares.add(p); });
+      each([&](auto const& p) { shares.refine(p); });
+      return shares;
+    }
   }
 
   std::int64_t chunks() const { return (live_ + chunk_size - 1) / chunk_size; }

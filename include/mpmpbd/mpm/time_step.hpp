@@ -29,12 +29,12 @@ template <class Shape> constexpr double slope_stiffness(double f) {
   return sum;
 }
 
-// 2 a_F - a_C at f.
+// 2 a_F - a_C at f, of a shape with constant inertia.
 template <class Body> constexpr double stiffness_at(double f) {
   using Shape = typename Body::Shape;
   using Transfer = typename Body::Transfer;
   double const slope = slope_stiffness<Shape>(f);
-  double const moment = Shape::inverse_inertia > 0.0 ? Shape::inverse_inertia : slope;
+  double const moment = Shape::inverse_inertia;
   double const updates = Body::Form::uses_moment ? moment : slope;
   double const carried = !Transfer::carries_affine ? 0.0
                          : Transfer::needs_moment  ? moment
@@ -43,18 +43,21 @@ template <class Body> constexpr double stiffness_at(double f) {
 }
 }  // namespace detail
 
-// How stiffly a single particle feels the grid, times dx^2: the largest 2 a_F - a_C of any position.
-// Linear shape: unbounded at a node (sum 1/f); the value is that of a particle 1/20 cell from a node,
-// so a lone particle nearer than that is not covered.
+// Whether how stiffly a particle feels the grid has a bound over the cell. That of a linear shape (sum 1/f) has none,
+// so it is taken where the particles are: NodeShares.
+template <class Body>
+inline constexpr bool has_bounded_stiffness = Body::Shape::inverse_inertia > 0.0;
+
+// How stiffly a single particle feels the grid, times dx^2: the largest 2 a_F - a_C of any position. Linear shape:
+// (2 a_F - a_C) / a_F, what NodeShares is to be multiplied by.
 template <class Body> constexpr double gradient_stiffness() {
   using Shape = typename Body::Shape;
-  constexpr bool smooth = Shape::inverse_inertia > 0.0;
+  if constexpr (!has_bounded_stiffness<Body>) return Body::Transfer::carries_affine ? 1.0 : 2.0;
   double largest = 0.0;
   for (int n = 2; n <= 38; ++n)
     largest = max(largest, detail::stiffness_at<Body>(Shape::offset + n / 40.0));
-  if constexpr (smooth)  // the supremum of the splines lies at the ends
-    for (double const end : {1e-9, 1.0 - 1e-9})
-      largest = max(largest, detail::stiffness_at<Body>(Shape::offset + end));
+  for (double const end : {1e-9, 1.0 - 1e-9})  // the supremum of the splines lies at the ends
+    largest = max(largest, detail::stiffness_at<Body>(Shape::offset + end));
   return largest;
 }
 
@@ -65,8 +68,8 @@ template <class Body> inline constexpr double gradient_stiffness_of = gradient_s
 
 // What bounds the step of one environment; maxima over its particles, and over the needle as to speed.
 template <class T> struct StepBounds {
-  T frequency2 = T(0);  // k / rho0 [m^2/s^2]
-  T damping = T(0);     // largest eigenvalue of dtau/d(dF/dt) / rho0 [m^2/s]
+  T frequency2 = T(0);  // k / rho0 [m^2/s^2]; linear shape: times the stiffness of NodeShares
+  T damping = T(0);     // largest eigenvalue of dtau/d(dF/dt) / rho0 [m^2/s]; the same
   T speed = T(0);       // |v| [m/s]
   T rate = T(0);        // |C| [1/s]
 

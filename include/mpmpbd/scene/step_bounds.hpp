@@ -8,7 +8,10 @@
 
 namespace mpmpbd {
 
-// A particle's share of the bounds.
+// Stands for the shares of nodes (mpm/node_shares.hpp) where a particle's limit does not hang on them.
+struct SharesDoNotMatter {};
+
+// What a particle adds to the bounds.
 template <class Scene> struct ParticleBounds {
   using Body = typename Scene::Body;
   using Material = typename Body::Material;
@@ -18,10 +21,16 @@ template <class Scene> struct ParticleBounds {
   using Reads = stored_t<on_t<Used, Particles>>;
 
   // Adds it to `all`; returns the faults of its state: with not_finite it is not added.
-  template <class P, class Ctx, class T>
-  MPMPBD_HD static std::uint32_t include(P const& p, Ctx const& context, StepBounds<T>& all) {
+  template <class P, class Ctx, class Shares, class T>
+  MPMPBD_HD static std::uint32_t include(P const& p, Ctx const& context,
+                                         [[maybe_unused]] Shares const& shares,
+                                         StepBounds<T>& all) {
     auto one = step_bounds<Body>(p, context.template of<Material>());
     include_damping(one, p, context, Watching{});
+    if constexpr (!has_bounded_stiffness<Body>) {
+      T const stiffness = shares.stiffness(p);
+      one.frequency2 *= stiffness, one.damping *= stiffness;
+    }
     T const sum = one.frequency2 + one.damping + one.speed + one.rate +
                   dot(p[particle::Position{}], p[particle::Position{}]);
     if (!is_finite(sum)) return static_cast<std::uint32_t>(Fault::not_finite);

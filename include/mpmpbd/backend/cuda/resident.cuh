@@ -226,7 +226,7 @@ template <class Scene> class ResidentBlock {
         p.store(view, first() + slot, Fields<particle::Position>{});
         held |= static_cast<unsigned>(Fault::escape);
       }
-      faults |= Bounds::include(p, context, all);
+      faults |= Bounds::include(p, context, SharesDoNotMatter{}, all);
       heaviest = max(heaviest, p[particle::Mass{}]);
       lightest = min(lightest, p[particle::Mass{}]);
     }

@@ -71,6 +71,10 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
       !Scene_::Body::Transfer::needs_previous_grid,
       "mpmpbd Simulation<Scene, Cuda>: FLIP needs the grid before forces too, which does not fit "
       "beside the grid in shared memory; take Apic, Tpic or Pic");
+  static_assert(
+      has_bounded_stiffness<typename Scene_::Body>,
+      "mpmpbd Simulation<Scene, Cuda>: the stable step of linear splines hangs on who shares a "
+      "node, which is not looked at on a device yet; take QuadraticBSpline or CubicBSpline");
   using Layout = cuda::Layout<Store>;
   using Tables = cuda::TablesOf<Scene, float>;
   using Block = cuda::ResidentBlock<Scene>;
