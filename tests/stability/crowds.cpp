@@ -3,6 +3,7 @@
 #include "catch.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "coupling/rig.hpp"
 #include "physics/units.hpp"
@@ -110,14 +111,17 @@ template <class Form> double apart(double ratio, std::vector<int> const& order) 
 
 }  // namespace
 
+// A node adds up at most 31 points, and in another order errs by 31 roundings at most; three times do the points
+// push the nodes (warm start and two sweeps). Measured are 12 roundings at most.
 TEMPLATE_TEST_CASE("the order of threads in the same cells is rounding", "[stability][B37]",
                    Slippery, Rough) {
+  double const limit = 3 * 31 * std::numeric_limits<double>::epsilon();
   for (double const ratio : {1e-3, 1.0, 1e3})
     for (auto const& order :
          {std::vector{1, 0, 2, 3}, std::vector{3, 2, 1, 0}, std::vector{2, 3, 0, 1}}) {
       double const difference = apart<TestType>(ratio, order);
       CAPTURE(ratio, difference);
-      CHECK(difference < 1e-8);
+      CHECK(difference < limit);
     }
 }
 
