@@ -76,6 +76,10 @@ template <class T, class Form> struct NeedleInBlock {
     for (auto& p : rig.points) p.contact = p.coverage >= T(0.25) ? Contact::member : Contact::off;
   }
   void couple() {
+    exchange();
+    move_on();
+  }
+  void exchange() {
     auto const x = rig.view();
     mpmpbd::exchange(mpmpbd::Solo{}, x, rig.nodes(), c.sweeps);
     rig.previous_dt = rig.dt;
@@ -86,6 +90,8 @@ template <class T, class Form> struct NeedleInBlock {
       sizes += std::hypot(double(p.impulse[0]), double(p.impulse[1]));
     sizes /= double(rig.dt) * u.force();
     rough = sizes / std::max(std::hypot(force[0], force[1]), 1e-30);
+  }
+  void move_on() {
     tissue.gather(rig);
     for (auto& p : rig.points) {
       p.position[0] += rig.dt * rig.needle.velocity[0];

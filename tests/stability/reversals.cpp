@@ -145,42 +145,68 @@ template <class B> Slips rubbed(B& block, Vec3<double> const& velocity) {
   block.meet(velocity);
   for (std::size_t q = 0; q < block.rig.points.size(); ++q)
     s.before.push_back(block.rig.slip(static_cast<int>(q))[2] / block.u.speed());
-  block.couple();
+  block.exchange();  // the slip that it leaves is that of its own places: points move on afterwards
   for (std::size_t q = 0; q < block.rig.points.size(); ++q) {
     s.after.push_back(block.rig.slip(static_cast<int>(q))[2] / block.u.speed());
     s.impulse.push_back(block.rig.points[q].impulse[2]);
   }
+  block.move_on();
   return s;
+}
+
+// What a needle that is drawn to and fro leaves of its slips, in shares of the largest.
+struct Left {
+  double turned = 0;  // the most that a point goes on the other way
+  double whole = 0;   // the same of all points together
+  double slip = 0;    // the largest
+};
+Left rub(double coefficient, int sweeps) {
+  auto low = low_block;
+  low.sweeps = sweeps;
+  low.spacing = 1;  // as a needle's points are
+  NeedleInBlock<double, Rough> block(low);
+  block.rub(coefficient, 0.2);
+  Left left;
+  for (int s = 0; s < 400; ++s) {
+    auto const slips = rubbed(block, mpmpbd::vec(0.01, 0.0, s / 10 % 2 ? 0.05 : -0.05));
+    double largest = 0, product = 0, squares = 0;
+    for (double const u : slips.before) largest = std::max(largest, std::abs(u));
+    for (std::size_t q = 0; q < slips.before.size(); ++q) {
+      double const before = slips.before[q] / largest, after = slips.after[q] / largest;
+      product += before * after, squares += before * before;
+      left.turned = std::max(left.turned, before > 0 ? -after : after);
+      left.slip = std::max(left.slip, std::abs(after));
+    }
+    left.whole = std::max(left.whole, -product / squares);
+  }
+  return left;
 }
 
 }  // namespace
 
-// Points share nodes, and sweeps leave a share of the largest slip open: up to 0.8 % were measured beyond zero with 20
-// sweeps. Asked is none.
+// Points share nodes, so that one stops the slip of its neighbours too and sweeps approach the solution: each
+// leaves three quarters of what turns round. Two, as a scene makes, leave up to 13 % at a point, which the next
+// substep stops, and 0.4 % of the needle.
 TEST_CASE("friction of any size stops a slip and never turns it round", "[stability][B45]") {
   for (double const coefficient : {0.3, 1e3}) {
-    auto low = low_block;
-    low.sweeps = 20;
-    NeedleInBlock<double, Rough> block(low);
-    block.rub(coefficient, 0.2);
-    double turned = 0, left = 0, least = 1;
-    for (int s = 0; s < 400; ++s) {
-      auto const slips = rubbed(block, mpmpbd::vec(0.01, 0.0, s / 10 % 2 ? 0.05 : -0.05));
-      double largest = 0, product = 0, squares = 0;
-      for (double const u : slips.before) largest = std::max(largest, std::abs(u));
-      for (std::size_t q = 0; q < slips.before.size(); ++q) {
-        double const before = slips.before[q] / largest, after = slips.after[q] / largest;
-        product += before * after, squares += before * before;
-        turned = std::max(turned, before > 0 ? -after : after);
-        left = std::max(left, std::abs(after));
-      }
-      least = std::min(least, product / squares);
+    CAPTURE(coefficient);
+    auto const two = rub(coefficient, 2);
+    CAPTURE(1e6 * two.turned, 1e6 * two.whole);
+    CHECK(two.turned < 0.2);
+    CHECK(two.whole < 0.01);
+    double before = two.turned;
+    for (int const sweeps : {20, 40, 80}) {
+      double const turned = rub(coefficient, sweeps).turned;
+      CAPTURE(sweeps, 1e12 * turned);
+      CHECK(turned < 0.01 * before);
+      before = turned;
     }
-    CAPTURE(coefficient, 1e6 * turned, 1e6 * least, 1e6 * left);
-    CHECK(turned < 1e-2);
-    CHECK(least > -1e-2);
-    CHECK(left < 1);
-    if (coefficient > 1) CHECK(left < 1e-2);
+    auto const solved = rub(coefficient, 160);
+    CAPTURE(1e18 * solved.turned, 1e6 * solved.slip);
+    CHECK(solved.turned < 1e-13);
+    CHECK(solved.whole < 1e-13);
+    CHECK(solved.slip < 1);
+    if (coefficient > 1) CHECK(solved.slip < 1e-13);
   }
 }
 
