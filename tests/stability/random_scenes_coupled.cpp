@@ -36,10 +36,12 @@ template <class T> struct Played {
   Draw d;
   Run run;
   Vec3<double> v{}, w{};  // of the needle
+  double poisson = 0;
 
   explicit Played(std::uint64_t seed) : d(seed), run(make(d)) {
     auto& random = d.random;
-    run.template set<NeoHookean>(lame(d.young, random.uniform(0.0, 0.45)));
+    poisson = random.uniform(0.0, 0.45);
+    run.template set<NeoHookean>(lame(d.young, poisson));
     run.template set<Friction>({random.uniform(0.0, 1.0), random.uniform(0.0, 0.1) * d.young});
     run.template set<Drag>({random.log_uniform(1e-3, 1.0) * gel_density * d.wave() * gel_cell});
     run.template set<ArcNeedle>({d.arc.radius, d.arc.angle, d.arc.wire_radius, 0.0, 0.0, 0.0});
@@ -56,8 +58,43 @@ template <class T> struct Played {
     if (d.needle) steer();
   }
 
+  // All that is stored, as symplectic Euler keeps it in a step of h that has just been made: strain where the step
+  // began and half of what its motion adds, speed and the thread's own energy where it ends [J].
+  double energy(double h) const {
+    double strain = 0;
+    auto const& s = run.state();
+    auto const k = lame(d.young, poisson);
+    for (std::int64_t p = 0; p < d.thread.block.particles(); ++p) {
+      auto const C = cast<double>(s.template get<particle::Affine>(0, p));
+      Local<double, NeoHookean::Reads> before{};
+      before[particle::Deformation{}] = inverse(Mat3<double>::identity() + h * C) *
+                                        cast<double>(s.template get<particle::Deformation>(0, p));
+      strain +=
+          double(s.template get<particle::Volume>(0, p)) *
+          (NeoHookean::energy(before, k) + 0.5 * h * dot(NeoHookean::kirchhoff(before, k), C));
+    }
+    return kinetic() + strain + thread_elastic();
+  }
   double kinetic() const { return tissue_totals(run, 0).kinetic + thread_totals(run, 0).kinetic; }
-  double energy() const { return kinetic() + tissue_totals(run, 0).strain; }
+  double thread_elastic() const {
+    auto const wire = d.thread.material();
+    double const length = d.thread.spacing * gel_cell;
+    double sum = 0;
+    for (int b = 0; b + 1 < d.thread.beads(); ++b) {
+      auto const after = segment(b);
+      sum += 0.5 / wire.stretch_compliance(length) * square(norm(after) - length);
+      if (b == 0) continue;
+      auto const before = segment(b - 1);
+      double const turn = std::atan2(norm(cross(before, after)), dot(before, after));
+      sum += 0.5 / wire.bend_compliance(length) * square(turn);
+    }
+    return sum;
+  }
+  Vec3<double> segment(int b) const {
+    auto const& s = run.state();
+    return cast<double>(s.template get<bead::Position>(0, b + 1)) -
+           cast<double>(s.template get<bead::Position>(0, b));
+  }
   Vec3<double> momentum() const {
     return tissue_totals(run, 0).momentum + thread_totals(run, 0).momentum;
   }
@@ -129,9 +166,8 @@ template <class T> struct Played {
 
 struct Held {
   bool finite = true, particles_inside = true, beads_inside = true;
-  double momentum = 0;   // that nobody gave, over the sum of sizes and pushes
-  double gain = -1e300;  // of energy above what was there or was put in, as a share of that
-  double share = 0;
+  double momentum = 0;  // that nobody gave, over the sum of sizes and pushes
+  double gain = 0;  // of energy that nobody gave, above the least before, as a share of the largest
   std::uint32_t status = 0;
 };
 
@@ -139,18 +175,20 @@ template <class T> Held play(std::uint64_t seed) {
   Played<T> played(seed);
   auto& run = played.run;
   double const h = played.d.share * run.suggest_dt(0) / time_step_safety;
-  double given = played.energy();
   auto momentum = played.momentum();
-  double size = played.momentum_size();
+  double size = played.momentum_size(), given = 0, least = 1e300, most = played.kinetic();
   Held held;
-  held.share = played.d.share;
   for (int s = 0; s < 300; ++s) {
     run.step(h);
     momentum += played.push(h);
     size += norm(played.push(h));
-    given += mpmpbd::max(0.0, played.work(h));
-    if (s % 10 == 9) held.gain = mpmpbd::max(held.gain, played.energy() / given - 1);
+    given += played.work(h);
+    double const stored = played.energy(h);
+    most = mpmpbd::max(most, stored);
+    least = mpmpbd::min(least, stored - given);
+    held.gain = mpmpbd::max(held.gain, stored - given - least);
   }
+  held.gain /= most;
   played.look(held.finite, held.particles_inside, held.beads_inside);
   held.momentum = norm(played.momentum() - momentum) / size;
   held.status = run.status(0);
@@ -159,15 +197,14 @@ template <class T> Held play(std::uint64_t seed) {
 
 }  // namespace
 
-// Energy is that of strain now and of speed half a step earlier, which swings by 1 / (1 - w dt / 2) at most where
-// nothing damps; w dt / 2 is the share of the limit. A thread's own energy is 0 at the start and only left out
-// afterwards.
+// Exchange and transfers only lose energy, and what the needle's holder puts in or takes out is counted with its
+// sign: what is left may never rise. Measured are 0 in double and, in float, 5e-4 for the lightest thread.
 TEMPLATE_TEST_CASE("60 random threads and needles in gel keep momentum and gain no energy",
                    "[stability][B48]", float, double) {
   int reported = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     auto const held = play<TestType>(seed);
-    CAPTURE(seed, held.momentum, held.gain, held.share, held.status);
+    CAPTURE(seed, held.momentum, held.gain, held.status);
     CHECK(held.finite);
     CHECK(held.particles_inside);
     CHECK((held.beads_inside || has(held.status, Fault::escape)));
@@ -177,7 +214,7 @@ TEMPLATE_TEST_CASE("60 random threads and needles in gel keep momentum and gain 
     if (!has(held.status, Fault::escape) || seed % 2 == 0)
       CHECK(held.momentum <= (sizeof(TestType) == 4 ? 2e-5 : 1e-12));
     if (says) continue;
-    CHECK(1 + held.gain <= (1 + 1e-3) / (1 - held.share));
+    CHECK(held.gain <= (sizeof(TestType) == 4 ? 1e-3 : 1e-12));
   }
   CHECK(reported <= 3);
 }

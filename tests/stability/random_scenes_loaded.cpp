@@ -14,13 +14,14 @@ namespace {
 
 template <class Body_, class... Loads> struct Boxed : Scene<Body_, Gravity, Loads...> {};
 
-using All = TypeList<Composed<Boxed<Mpm<NeoHookean>, Walls<Sticky>>>,
-                     Composed<Boxed<Mpm<NeoHookean>, Walls<Sticky>>, float>,
-                     Composed<Boxed<Mpm<FixedCorotated, CubicBSpline>, Walls<Slip>>>,
-                     Composed<Boxed<Mpm<StableNeoHookean, Flip>, Damping, Walls<Separating>>>,
-                     Composed<Boxed<Mpm<WeaklyCompressibleFluid>, Viscosity, Walls<Slip>>>,
-                     Composed<Boxed<Mpm<StVenantKirchhoff, Tpic>, PinnedRegion, Walls<Separating>>>,
-                     Composed<Boxed<Mpm<NeoHookean>, Prony<1>, Walls<Separating>>>>;
+using All =
+    TypeList<Composed<Boxed<Mpm<NeoHookean>, Walls<Sticky>>>,
+             Composed<Boxed<Mpm<NeoHookean>, Walls<Sticky>>, float>,
+             Composed<Boxed<Mpm<FixedCorotated, CubicBSpline>, Walls<Slip>>>,
+             Composed<Boxed<Mpm<StableNeoHookean, Flip>, Damping, Walls<Separating>>>,
+             Composed<Boxed<Mpm<WeaklyCompressibleFluid>, Viscosity, StrainWork, Walls<Slip>>>,
+             Composed<Boxed<Mpm<StVenantKirchhoff, Tpic>, PinnedRegion, Walls<Separating>>>,
+             Composed<Boxed<Mpm<NeoHookean>, Prony<1>, StrainWork, Walls<Separating>>>>;
 
 }  // namespace
 
