@@ -186,7 +186,8 @@ Left rub(double coefficient, int sweeps) {
 
 // Points share nodes, so that one stops the slip of its neighbours too and sweeps approach the solution: each
 // leaves three quarters of what turns round. Two, as a scene makes, leave up to 13 % at a point, which the next
-// substep stops, and 0.4 % of the needle.
+// substep stops, and 0.4 % of the needle. Passes that only take back what turned a point round are no cure: at the
+// larger coefficient 64 of them leave 5 % and raise the largest slip from 18 to 23 %; three more sweeps do as much.
 TEST_CASE("friction of any size stops a slip and never turns it round", "[stability][B45]") {
   for (double const coefficient : {0.3, 1e3}) {
     CAPTURE(coefficient);
