@@ -24,8 +24,8 @@ inline mpmpbd::SuturingConfig coarse_stitch(std::vector<std::string> const& sett
 template <class T> using StitchRun = mpmpbd::Simulation<mpmpbd::Suturing, mpmpbd::Serial, T>;
 
 // Moves every particle and bead by up to `size` [m], as rounding might have done.
-template <class T> void shake(StitchRun<T>& run, double size) {
-  mpmpbd::testing::Samples random(3);
+template <class T> void shake(StitchRun<T>& run, double size, std::uint64_t seed = 3) {
+  mpmpbd::testing::Samples random(seed);
   auto move = [&]<class F>(F) {
     for (std::int64_t i = 0; i < run.state().template table<typename F::Domain>().live(0); ++i)
       run.state().template set<F>(
@@ -46,6 +46,12 @@ struct StitchDifference {
     return {field<mpmpbd::particle::Position>(a, b, shift),
             field<mpmpbd::particle::Deformation>(a, b), field<mpmpbd::bead::Position>(a, b, shift),
             field<mpmpbd::needle::Force>(a, b), field<mpmpbd::bead::Tension>(a, b)};
+  }
+  void include(StitchDifference const& other) {
+    for (auto member :
+         {&StitchDifference::tissue, &StitchDifference::strain, &StitchDifference::thread,
+          &StitchDifference::force, &StitchDifference::tension})
+      this->*member = std::max(this->*member, other.*member);
   }
   double most() const { return std::max({tissue, strain, thread, force, tension}); }
 

@@ -1,5 +1,5 @@
 // B7: the stitch in metres, kilograms and seconds, and in millimetres, grams and milliseconds.
-// seconds: 40
+// seconds: 60
 #include "catch.hpp"
 
 #include "physics/stitch_run.hpp"
@@ -27,8 +27,8 @@ template <class T> struct Both {
     o.cell_size *= small.length;
     return o;
   }
-  // A third run takes the commands of the first.
-  void run(int first, int last, test::StitchRun<T>& third) {
+  // Other runs take the commands of the first.
+  void run(int first, int last, std::vector<test::StitchRun<T>>& others) {
     double const h = config.time.step;
     for (int step = first; step < last; ++step) {
       hand.command(metres, 0, step * h, h);
@@ -36,10 +36,12 @@ template <class T> struct Both {
       needle::set_twist(
           millimetres.state().template view<Needles>(), 0,
           Twist<T>{T(small.of("m/s")) * twist.linear, T(small.of("rad/s")) * twist.angular});
-      needle::set_twist(third.state().template view<Needles>(), 0, twist);
       metres.step(h);
       millimetres.step(h * small.time);
-      third.step(h);
+      for (auto& other : others) {
+        needle::set_twist(other.state().template view<Needles>(), 0, twist);
+        other.step(h);
+      }
     }
   }
   // What the second has come to, told in SI again.
@@ -67,20 +69,25 @@ TEST_CASE("units are read as they are written", "[units]") {
 // Over a whole stitch rounding grows: a thread that swings and is drawn over tissue is a chaotic pendulum. So the
 // specification's 1e-11 and 1e-5 are asked of the first steps, and later that other units change a stitch by no more than
 // a shake of its start by a rounding error does, ten times as much at the most. So it is with tension from the start:
-// it is EA times a strain, and rounding of a place x is a strain of epsilon x / l.
+// it is EA times a strain, and rounding of a place x is a strain of epsilon x / l. In float one shake does not tell: at the
+// end six of them moved the thread by 2e-5 to 2e-3 of its place, so the largest of several counts.
 TEMPLATE_TEST_CASE("B7: a stitch is the same in metres and in millimetres", "[stability][units]",
                    double, float) {
   using T = TestType;
   Both<T> both;
-  test::StitchRun<T> shaken(suturing::options(both.config));
-  shaken.restore(both.metres.state());
-  test::shake(shaken, double(epsilon<T>));
+  std::vector<test::StitchRun<T>> shaken;
+  for (std::uint64_t seed = 3; seed < (sizeof(T) == 8 ? 4 : 8); ++seed) {
+    auto& run = shaken.emplace_back(suturing::options(both.config));
+    run.restore(both.metres.state());
+    test::shake(run, double(epsilon<T>), seed);
+  }
   double const allowed = sizeof(T) == 8 ? 1e-11 : 1e-5;
   int const steps = both.config.steps();
   for (auto const& [from, to] : {std::pair{0, 10}, {10, steps / 2}, {steps / 2, steps}}) {
     both.run(from, to, shaken);
     auto const units = test::StitchDifference::of(both.metres, both.back());
-    auto const shake = test::StitchDifference::of(both.metres, shaken);
+    test::StitchDifference shake{};
+    for (auto const& run : shaken) shake.include(test::StitchDifference::of(both.metres, run));
     CAPTURE(to, units.tissue, units.strain, units.thread, units.force, units.tension, shake.tissue,
             shake.strain, shake.thread, shake.force, shake.tension);
     REQUIRE(both.metres.status(0) == both.millimetres.status(0));
