@@ -22,6 +22,7 @@ set_up() { # PURPOSE TARGET...
 }
 
 case ${1:-} in
+  -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0" ;;
   --cost)
     set_up demo bench_work_precision
     step "measure" "$build/bench/bench_work_precision" "$results/work_precision.csv"
