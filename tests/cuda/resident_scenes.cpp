@@ -161,3 +161,25 @@ TEMPLATE_TEST_CASE("a scene moves on a device as it does on the host", "[cuda][r
   for (std::int64_t env : {0, 1}) CHECK(device.status(env) == host.status(env));
   CHECK(same(d, std::as_const(other).state()));
 }
+
+// Without this limit the 32-bit sums of 200 particles at 20 cells per substep would wrap, and tissue would fly off anywhere.
+TEMPLATE_TEST_CASE("what is faster than a cell per substep is slowed down to it on a device",
+                   "[cuda][fixed_point]", Alone, Relaxing) {
+  auto run = made<Simulation<TestType, Cuda, float>>(2);
+  auto const cell = float(dx * substeps / step);  // [m/s]
+  for (std::int64_t p = 0; p < 20 * 12 * 10; ++p)
+    run.state().template set<particle::Velocity>(0, p, {{20.0f * cell, 0.0f, 0.0f}});
+  run.step(step);
+  auto const& after = std::as_const(run).state();
+  CHECK(has(run.status(0), Fault::speed));
+  CHECK_FALSE(has(run.status(0), Fault::not_finite));
+  CHECK(run.status(1) == 0);
+  float most = 0.0f, least = cell;
+  for (std::int64_t p = 0; p < 20 * 12 * 10; ++p) {
+    auto const v = after.template get<particle::Velocity>(0, p);
+    most = std::max(most, norm(v));
+    least = std::min(least, v[0]);
+  }
+  CHECK(most < 1.001f * cell);
+  CHECK(least > -0.001f * cell);  // nothing turns round
+}

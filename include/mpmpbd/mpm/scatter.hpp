@@ -6,6 +6,7 @@
 // FLIP with what the grid cannot see.
 #pragma once
 
+#include <mpmpbd/core/status.hpp>
 #include <mpmpbd/core/tick.hpp>
 #include <mpmpbd/mpm/body.hpp>
 #include <mpmpbd/mpm/lattice.hpp>
@@ -95,17 +96,22 @@ template <class Body> struct Scatter {
   // Adds one particle (or a pack of them, one after the other) to the grid: `grid.window(node).row(j, k)` is
   // a row along x from there, and `row.add(n, quad)` adds to its n-th node: floating point on the host, fixed
   // point in a kernel. `add_previous` adds the same without the impulse of the forces, for transfers that ask.
-  // With `driven`, particles have an Acceleration.
+  // With `driven`, particles have an Acceleration. Returns Fault::speed where the sums hold no more than a particle
+  // may bring at a cell per substep (grid.most_momentum_per_mass) and it was slowed down to that.
   template <bool driven = false, class P, class Grid, class S>
-  MPMPBD_INLINE static void run(P const& p, Grid const& grid, Lattice<S> const& lattice, S dt) {
+  MPMPBD_INLINE static std::uint32_t run(P const& p, Grid const& grid, Lattice<S> const& lattice,
+                                         S dt) {
     using T = typename P::Scalar;
     auto const s = Stencils<T, Shape>::at(lattice, p[particle::Position{}]);
     auto const w = Weights<T>::at(s.f);
     detail::LaneMomentum<S> carried[lanes<T>];
+    std::uint32_t faults = 0;
     to_each(momentum<Form::uses_moment, driven>(p, s, lattice, dt), carried);
     if constexpr (!Form::uses_moment)
       impulse_to_each(T(-dt * lattice.inverse_dx) * p[particle::Volume{}], p[particle::Stress{}],
                       carried);
+    if constexpr (requires { grid.most_momentum_per_mass(); })
+      faults |= slow_down(carried[0], grid.most_momentum_per_mass() * p[particle::Mass{}]);
     for (int l = 0; l < lanes<T>; ++l)
       add<false>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
     if constexpr (Transfer::needs_previous_grid) {
@@ -113,6 +119,7 @@ template <class Body> struct Scatter {
       for (int l = 0; l < lanes<T>; ++l)
         add<true>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
     }
+    return faults;
   }
 
  private:
@@ -140,6 +147,30 @@ template <class Body> struct Scatter {
       to_lanes(Vec<T, 4>{{A(0, a), A(1, a), A(2, a), T(0)}}, part);
       for (int l = 0; l < count; ++l) out[l].impulse[a] = part[l];
     }
+  }
+
+  // Scales what a particle brings so that no node of its stencil gets more than w `most` of it [kg m/s].
+  template <class S>
+  MPMPBD_INLINE static std::uint32_t slow_down(detail::LaneMomentum<S>& q, S most) {
+    S fastest = S(0);
+    for (int i = 0; i < 3; ++i) {
+      S low = q.value[i], high = q.value[i];
+      for (int a = 0; a < 3; ++a) {
+        S const across = S(Shape::width - 1) * q.gradient[a][i];
+        low += min(across, S(0)), high += max(across, S(0));
+        if constexpr (!Form::uses_moment) high += abs(q.impulse[a][i]), low -= abs(q.impulse[a][i]);
+      }
+      fastest = max(fastest, max(high, -low));
+    }
+    if (!(fastest > most)) return 0;
+    S const share = most / fastest;
+    Quad<S> const v = share * q.value;
+    q.value = quad<S>(v[0], v[1], v[2], q.value[3]);
+    for (int a = 0; a < 3; ++a) {
+      q.gradient[a] = share * q.gradient[a];
+      if constexpr (!Form::uses_moment) q.impulse[a] = share * q.impulse[a];
+    }
+    return static_cast<std::uint32_t>(Fault::speed);
   }
 
   // Adds one particle to its nodes.

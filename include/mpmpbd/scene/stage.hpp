@@ -99,8 +99,7 @@ template <class Body, class Effects> struct ParticlesToGrid {
     p[particle::Stress{}] = Material::kirchhoff(p, context.template of<Material>());
     if constexpr (driven) p[particle::Acceleration{}] = Vec3<typename P::Scalar>{};
     detail::apply_effects(Before{}, p, context);
-    Scatter<Body>::template run<driven>(p, sums, context.lattice, context.tick.dt);
-    return faults;
+    return faults | Scatter<Body>::template run<driven>(p, sums, context.lattice, context.tick.dt);
   }
 };
 

@@ -64,6 +64,10 @@ struct SumsOfArena {
   Arena arena;
   Lattice<float> lattice;
   FixedPoint unit;
+  // A cell per substep [m/s]: with no more than most_masses at a node its sums then hold what it gets.
+  __device__ __forceinline__ float most_momentum_per_mass() const {
+    return unit.mass * unit.inverse_momentum;
+  }
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
     int const first = static_cast<int>(lattice.index(at[0], at[1], at[2]));
     return Window{FixedRow{arena.sums + first, arena.count, unit}, lattice.nodes[0],
