@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Checks what a compiler made of the kernels of a scene, without a GPU.
+
+Usage: check_kernels.py FILE.ptx NODES
+
+NODES: those of a stencil, 27 for quadratic splines. Fails when
+  - a kernel is empty or traps: nvcc has made both of code it did not like, with exit status 0
+  - anything adds floating-point numbers atomically: its order would show in the bits
+  - the fused pass and the last gather do not load a node's velocity and mass at once, or the passes that scatter do
+    not add four integers per node: then grid or loop has lost its place in shared memory or in registers
+"""
+import re
+import sys
+
+FLOAT_ATOMIC = re.compile(r"^\s*(?:@!?%p\d+\s+)?((?:atom|red)\.\S*\.(?:f16|f32|f64|bf16)\S*)", re.M)
+SHARED_ADD = re.compile(r"\b(?:atom|red)\.shared\.add\.(?:u32|s32)")
+SHARED_QUAD = re.compile(r"\bld\.shared\.v4\.(?:f32|b32|u32)")
+KERNEL = re.compile(r"^\.visible \.entry (\w+)\((.*?)^\}", re.M | re.S)
+INSTRUCTION = re.compile(r"^\s+(?:@!?%p\d+\s+)?[a-z][a-z0-9_.:]*\s.*;", re.M)
+
+
+def complaints(text, nodes):
+    kernels = dict(KERNEL.findall(text))
+    if not kernels:
+        yield "there is no kernel"
+    for name, body in kernels.items():
+        count = len(INSTRUCTION.findall(body))
+        print(f"{name}: {count} instructions")
+        if count < 20:
+            yield f"{name} is empty: {count} instructions"
+        if re.search(r"\btrap;", body):
+            yield f"{name} traps"
+    for atomic in FLOAT_ATOMIC.findall(text):
+        yield f"an atomic floating-point operation: {atomic}"
+    passes = 2
+    for what, pattern, least in (
+        ("additions of integers in shared memory", SHARED_ADD, passes * 4 * nodes),
+        ("loads of four numbers from shared memory", SHARED_QUAD, passes * nodes),
+    ):
+        found = len(pattern.findall(text))
+        print(f"{what}: {found}, at least {least}")
+        if found < least:
+            yield f"{found} {what}; {least} expected"
+
+
+def main():
+    with open(sys.argv[1], encoding="utf-8") as file:
+        wrong = list(complaints(file.read(), int(sys.argv[2])))
+    for sentence in wrong:
+        print(f"FAIL: {sentence}")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
