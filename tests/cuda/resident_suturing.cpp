@@ -206,6 +206,9 @@ TEST_CASE("what a device cannot do is refused before anything is taken", "[cuda]
   CHECK(refusal(large, {}).find("shared memory") != std::string::npos);
   CHECK(refusal(good, {.device = 1}).find("device 1") != std::string::npos);
   CHECK(refusal(good, {.threads = 100}).find("threads = 100") != std::string::npos);
+  auto strict = good;
+  strict.strict = true;
+  CHECK(refusal(strict, {}).find("strict = true") != std::string::npos);
   emulated::free_bytes = 1000;
   CHECK(refusal(good, {}).find("MiB needed") != std::string::npos);
   emulated::free_bytes = std::size_t{1} << 34;

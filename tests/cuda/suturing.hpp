@@ -1,12 +1,12 @@
 // The suturing scene on an emulated device, in a grid that fits into the shared memory of one block.
 #pragma once
 
-#include <cstring>
-
 #include <mpmpbd/backend/cuda/simulation.cuh>
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/catalog/suturing.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>
+
+#include "cuda/compare.hpp"
 
 namespace test {
 
@@ -55,38 +55,6 @@ inline OnDevice device_run(std::int64_t environments, Cuda where = {}) {
   OnDevice run(suturing::options(config(), environments), where);
   fill(run, stitch_under_way());
   return run;
-}
-
-// Whether environments of two stores hold the same bits in all fields.
-template <class Store>
-bool same_bits(Store const& a, std::int64_t env_a, Store const& b, std::int64_t env_b) {
-  bool same = true;
-  for_each_field(typename Store::List{}, [&]<class F>(F) {
-    auto const &x = a.template table<typename F::Domain>(),
-               &y = b.template table<typename F::Domain>();
-    auto const n = static_cast<std::size_t>(x.capacity());
-    for (int c = 0; c < F::components; ++c) {
-      auto const* p = x.template planes<F>().data() + (c * a.environments() + env_a) * x.capacity();
-      auto const* q = y.template planes<F>().data() + (c * b.environments() + env_b) * y.capacity();
-      same = same && std::memcmp(p, q, n * sizeof(*p)) == 0;
-    }
-  });
-  return same;
-}
-
-// Largest difference of a field, environment 0 [unit of the field].
-template <class F, class Store> double difference(Store const& a, Store const& b) {
-  auto const &x = a.template table<typename F::Domain>(),
-             &y = b.template table<typename F::Domain>();
-  double worst = 0;
-  for (std::int64_t slot = 0; slot < x.live(0); ++slot)
-    for (int c = 0; c < F::components; ++c) {
-      auto const i = static_cast<std::size_t>(c * a.environments() * x.capacity() + slot);
-      auto const j = static_cast<std::size_t>(c * b.environments() * y.capacity() + slot);
-      worst = std::max(
-          worst, std::abs(double(x.template planes<F>()[i]) - double(y.template planes<F>()[j])));
-    }
-  return worst;
 }
 
 }  // namespace test

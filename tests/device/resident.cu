@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -18,9 +17,13 @@
 #include <mpmpbd/pbd/rod_builder.hpp>
 #include <mpmpbd/scene/simulation.hpp>
 
+#include "cuda/compare.hpp"
+
 namespace {
 
 using namespace mpmpbd;
+using test::difference;
+using test::same_bits;
 
 struct Tissue : Mpm<NeoHookean> {};
 struct Thread : Pbd<Constraints<Distance, Bend>> {};
@@ -94,27 +97,6 @@ auto make_run(std::int64_t environments, Where where = {}) {
 
 template <class Run> auto const& read(Run const& run) { return run.state(); }
 
-// Largest difference of a field, all environments [unit of the field].
-template <class F, class Store> double difference(Store const& a, Store const& b) {
-  auto const& x = a.template table<typename F::Domain>().template planes<F>();
-  auto const& y = b.template table<typename F::Domain>().template planes<F>();
-  double worst = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    double const d = std::fabs(double(x[i]) - double(y[i]));
-    worst = d <= worst ? worst : d;  // a NaN is kept
-  }
-  return worst;
-}
-template <class F, class Store> bool same_first(Store const& a, Store const& b) {
-  auto const slots = a.template table<typename F::Domain>().live(0);
-  bool same = true;
-  for (std::int64_t i = 0; i < slots; ++i) {
-    auto const x = a.template get<F>(0, i), y = b.template get<F>(0, i);
-    same = same && std::memcmp(&x, &y, sizeof x) == 0;
-  }
-  return same;
-}
-
 int passed = 0, failed = 0;
 void check(bool ok, char const* scene, char const* what, double value = 0) {
   std::printf("%s: %s: %s (%.3g)\n", ok ? "pass" : "FAIL", scene, what, value);
@@ -146,12 +128,10 @@ template <class Scene> void compare(char const* name) {
     within("thread velocities equal them [m/s]", difference<bead::Velocity>(d, s), v);
     check(s.template get<contact::Impulse>(0, 10)[0] != 0.0f, name,
           "the thread exchanges impulses");
-    check(same_first<bead::Position>(d, read(narrow)), name, "256 threads give the thread's bits");
-    check(same_first<bead::Position>(d, read(alone)), name, "alone the thread has the same bits");
   }
   check(device.status(0) == serial.status(0), name, "the status is that of the serial back end");
-  check(same_first<particle::Position>(d, read(narrow)), name, "256 threads give the same bits");
-  check(same_first<particle::Position>(d, read(alone)), name, "alone it has the same bits");
+  check(same_bits(d, 2, read(narrow), 2), name, "256 threads give the same bits");
+  check(same_bits(d, 0, read(alone), 0), name, "alone it has the same bits");
 }
 
 template <class Scene> double ns_per_particle_substep(std::int64_t environments) {

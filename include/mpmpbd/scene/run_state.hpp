@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <mpmpbd/mpm/lattice.hpp>
+#include <mpmpbd/pbd/access.hpp>
 #include <mpmpbd/scene/scene.hpp>
 #include <mpmpbd/scene/step_control.hpp>
 
@@ -142,12 +143,10 @@ template <class Scene_, class T> class RunState {
   }
 
   Ctx context_of(std::int64_t env) const {
-    Ctx c{};
-    c.lattice = lattice_;
-    for_each_type(typename Scene::Policies{}, [&]<class P>(std::type_identity<P>) {
-      c.parameters.template get<P>() = state_.template parameters<P>(env);
-    });
-    return c;
+    auto& state =
+        const_cast<Store&>(state_);  // views of a const table are not built; nothing is written
+    return load_context<typename Scene::Policies>(
+        access_environment(state, env, typename Store::Domains{}), lattice_);
   }
 
   template <class D> std::int64_t slots() const {

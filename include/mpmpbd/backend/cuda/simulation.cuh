@@ -96,6 +96,10 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                   "; give a multiple of 32 from " +
                                   std::to_string(Block::fewest_threads) + " to " +
                                   std::to_string(most_threads));
+    if (run.options().strict)
+      throw std::invalid_argument(
+          "mpmpbd Cuda: strict = true; a device finds the stable limit inside the step and sets "
+          "Fault::time_step. Give strict = false, or substeps = 0, which keeps to the limit");
     int count = 0;
     if (cudaGetDeviceCount(&count) != cudaSuccess || where.device < 0 || where.device >= count) {
       cudaGetLastError();
