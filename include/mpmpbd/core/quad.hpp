@@ -24,6 +24,8 @@ template <class T> MPMPBD_INLINE Quad<T> operator+(Quad<T> const& a, Quad<T> con
 template <class T> MPMPBD_INLINE Quad<T> operator*(detail::identity_t<T> s, Quad<T> const& a) {
   return {s * a.v};
 }
+template <class T> using Massless = Quad<T>;
+template <class T> MPMPBD_INLINE Massless<T> without_mass(Quad<T> const& a) { return a; }
 #else
 template <class T> struct alignas(4 * sizeof(T)) Quad {
   T v[4];
@@ -35,6 +37,21 @@ template <class T> MPMPBD_INLINE Quad<T> operator+(Quad<T> const& a, Quad<T> con
 }
 template <class T> MPMPBD_INLINE Quad<T> operator*(detail::identity_t<T> s, Quad<T> const& a) {
   return {{s * a.v[0], s * a.v[1], s * a.v[2], s * a.v[3]}};
+}
+// A change of momentum that brings no mass: where numbers do not travel in fours, the fourth is not even there.
+template <class T> struct Massless {
+  T v[3];
+  MPMPBD_HD T operator[](int i) const { return v[i]; }
+};
+template <class T> MPMPBD_INLINE Massless<T> without_mass(Quad<T> const& a) {
+  return {{a.v[0], a.v[1], a.v[2]}};
+}
+template <class T> MPMPBD_INLINE Quad<T> operator+(Quad<T> const& a, Massless<T> const& b) {
+  return {{a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3]}};
+}
+template <class T>
+MPMPBD_INLINE Massless<T> operator*(detail::identity_t<T> s, Massless<T> const& a) {
+  return {{s * a.v[0], s * a.v[1], s * a.v[2]}};
 }
 #endif
 

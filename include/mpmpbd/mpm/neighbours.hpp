@@ -12,10 +12,11 @@ namespace mpmpbd {
 template <class T> struct OneNode {
   static constexpr int count = 1;
   using Values = Quad<T>;
+  using Changes = Massless<T>;
 
   MPMPBD_INLINE static T each(T const* of_node) { return of_node[0]; }
   MPMPBD_INLINE static T numbered(int first) { return T(first); }
-  MPMPBD_INLINE static Values all(Quad<T> const& q) { return q; }
+  template <class Q> MPMPBD_INLINE static Q all(Q const& q) { return q; }
   template <class Row> MPMPBD_INLINE static Values load(Row const& row, int first) {
     return row[first];
   }
@@ -28,6 +29,7 @@ template <class T> struct OneNode {
 struct TwoNodes {
   static constexpr int count = 2;
   using Values = Pack<float>;
+  using Changes = Values;
 
   MPMPBD_WIDE static Values each(float const* of_node) {
     float const a = of_node[0], b = of_node[1];

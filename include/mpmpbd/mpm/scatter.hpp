@@ -79,7 +79,10 @@ template <class T> struct AffineMomentum {
   Vec<T, 4> gradient[3];  // per cell along each axis
 };
 // The same for one particle, four numbers an instruction; and the impulse of forces by slopes.
-template <class S> struct LaneMomentum { Quad<S> value, gradient[3], impulse[3]; };
+template <class S> struct LaneMomentum {
+  Quad<S> value;
+  Massless<S> gradient[3], impulse[3];
+};
 }  // namespace detail
 
 template <class Body> struct Scatter {
@@ -95,9 +98,9 @@ template <class Body> struct Scatter {
 
   // Adds one particle (or a pack of them, one after the other) to the grid: `grid.window(node).row(j, k)` is
   // a row along x from there, and `row.add(n, quad)` adds to its n-th node: floating point on the host, fixed
-  // point in a kernel. `add_previous` adds the same without the impulse of the forces, for transfers that ask.
-  // With `driven`, particles have an Acceleration. Returns Fault::speed where the sums hold no more than a particle
-  // may bring at a cell per substep (grid.most_momentum_per_mass) and it was slowed down to that.
+  // point in a kernel, whose grid says what one of its counts is (in_counts). `add_previous` adds the same without the
+  // impulse of the forces, for transfers that ask. With `driven`, particles have an Acceleration. Returns Fault::speed
+  // where sums of counts hold no more than what a particle brings at a cell per substep, and it was slowed down to that.
   template <bool driven = false, class P, class Grid, class S>
   MPMPBD_INLINE static std::uint32_t run(P const& p, Grid const& grid, Lattice<S> const& lattice,
                                          S dt) {
@@ -110,8 +113,7 @@ template <class Body> struct Scatter {
     if constexpr (!Form::uses_moment)
       impulse_to_each(T(-dt * lattice.inverse_dx) * p[particle::Volume{}], p[particle::Stress{}],
                       carried);
-    if constexpr (requires { grid.most_momentum_per_mass(); })
-      faults |= slow_down(carried[0], grid.most_momentum_per_mass() * p[particle::Mass{}]);
+    if constexpr (requires { grid.in_counts(carried[0].value); }) faults |= count(carried[0], grid);
     for (int l = 0; l < lanes<T>; ++l)
       add<false>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
     if constexpr (Transfer::needs_previous_grid) {
@@ -134,7 +136,7 @@ template <class Body> struct Scatter {
     for (int l = 0; l < count; ++l) out[l].value = part[l];
     for (int a = 0; a < 3; ++a) {
       to_lanes(q.gradient[a], part);
-      for (int l = 0; l < count; ++l) out[l].gradient[a] = part[l];
+      for (int l = 0; l < count; ++l) out[l].gradient[a] = without_mass(part[l]);
     }
   }
   // Forces by slopes of the weights: - dt V0 tau per cell.
@@ -145,32 +147,42 @@ template <class Body> struct Scatter {
     Quad<S> part[count];
     for (int a = 0; a < 3; ++a) {
       to_lanes(Vec<T, 4>{{A(0, a), A(1, a), A(2, a), T(0)}}, part);
-      for (int l = 0; l < count; ++l) out[l].impulse[a] = part[l];
+      for (int l = 0; l < count; ++l) out[l].impulse[a] = without_mass(part[l]);
     }
   }
 
-  // Scales what a particle brings so that no node of its stencil gets more than w `most` of it [kg m/s].
-  template <class S>
-  MPMPBD_INLINE static std::uint32_t slow_down(detail::LaneMomentum<S>& q, S most) {
-    S fastest = S(0);
-    for (int i = 0; i < 3; ++i) {
-      S low = q.value[i], high = q.value[i];
-      for (int a = 0; a < 3; ++a) {
-        S const across = S(Shape::width - 1) * q.gradient[a][i];
-        low += min(across, S(0)), high += max(across, S(0));
-        if constexpr (!Form::uses_moment) high += abs(q.impulse[a][i]), low -= abs(q.impulse[a][i]);
-      }
-      fastest = max(fastest, max(high, -low));
-    }
-    if (!(fastest > most)) return 0;
-    S const share = most / fastest;
-    Quad<S> const v = share * q.value;
-    q.value = quad<S>(v[0], v[1], v[2], q.value[3]);
-    for (int a = 0; a < 3; ++a) {
-      q.gradient[a] = share * q.gradient[a];
-      if constexpr (!Form::uses_moment) q.impulse[a] = share * q.impulse[a];
-    }
+  // What a particle brings, in counts of the grid, in which momentum at a cell per substep is as much as mass: it is
+  // scaled down so that no node of the stencil gets more.
+  template <class S, class Grid>
+  MPMPBD_INLINE static std::uint32_t count(detail::LaneMomentum<S>& q, Grid const& grid) {
+    auto const each_change = [&q](auto const& f) MPMPBD_ALWAYS_INLINE {
+      for (auto& g : q.gradient) g = f(g);
+      if constexpr (!Form::uses_moment)
+        for (auto& b : q.impulse) b = f(b);
+    };
+    q.value = grid.in_counts(q.value);
+    each_change([&grid](auto const& c) MPMPBD_ALWAYS_INLINE { return grid.in_counts(c); });
+    S const fastest = greatest_momentum(q);
+    if (!(fastest > q.value[3])) return 0;
+    S const share = q.value[3] / fastest;
+    q.value = quad<S>(share * q.value[0], share * q.value[1], share * q.value[2], q.value[3]);
+    each_change([share](auto const& c) MPMPBD_ALWAYS_INLINE { return share * c; });
     return static_cast<std::uint32_t>(Fault::speed);
+  }
+  // A component of momentum over weight at any node of the stencil is no more: that of its middle, and what there
+  // is from there to a corner.
+  template <class S> MPMPBD_INLINE static S greatest_momentum(detail::LaneMomentum<S> const& q) {
+    constexpr S half = S(Shape::width - 1) / 2;
+    S greatest = S(0);
+    for (int i = 0; i < 3; ++i) {
+      S middle = q.value[i], reach = S(0);
+      for (int a = 0; a < 3; ++a) {
+        middle += half * q.gradient[a][i], reach += half * abs(q.gradient[a][i]);
+        if constexpr (!Form::uses_moment) reach += abs(q.impulse[a][i]);
+      }
+      greatest = max(greatest, abs(middle) + reach);
+    }
+    return greatest;
   }
 
   // Adds one particle to its nodes.
@@ -191,8 +203,9 @@ template <class Body> struct Scatter {
     constexpr bool slopes = !previous && !Form::uses_moment;
     auto const w_x = N::each(w.x.weight + i);
     V column = w_x * (N::all(q.value) + N::numbered(i) * N::all(q.gradient[0]));
-    V const along_y = w_x * N::all(q.gradient[1]), along_z = w_x * N::all(q.gradient[2]);
-    V across_y, across_z;
+    using Change = typename N::Changes;
+    Change const along_y = w_x * N::all(q.gradient[1]), along_z = w_x * N::all(q.gradient[2]);
+    Change across_y, across_z;
     if constexpr (slopes) {
       column = column + N::each(w.x.slope + i) * N::all(q.impulse[0]);
       across_y = w_x * N::all(q.impulse[1]), across_z = w_x * N::all(q.impulse[2]);
@@ -201,7 +214,7 @@ template <class Body> struct Scatter {
       if (k > 0) column = column + along_z;
       V row = w.z.weight[k] * column;
       if constexpr (slopes) row = row + w.z.slope[k] * across_z;
-      V const step = w.z.weight[k] * along_y;
+      Change const step = w.z.weight[k] * along_y;
       for (int j = 0; j < Shape::width; ++j) {
         if (j > 0) row = row + step;
         V sum = w.y.weight[j] * row;

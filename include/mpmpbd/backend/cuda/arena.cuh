@@ -48,30 +48,36 @@ struct Arena {
   }
 };
 
+// A pointer to each plane: an address is then one addition to what the stencil knows.
 struct FixedRow {
-  int* first;
-  int plane;
-  FixedPoint unit;
-  __device__ __forceinline__ FixedRow operator+(int n) const { return {first + n, plane, unit}; }
-  __device__ __forceinline__ void add(int n, Quad<float> const& q) const {
-    atomicAdd(first + n, __float2int_rn(q[0] * unit.momentum));
-    atomicAdd(first + plane + n, __float2int_rn(q[1] * unit.momentum));
-    atomicAdd(first + 2 * plane + n, __float2int_rn(q[2] * unit.momentum));
-    atomicAdd(first + 3 * plane + n, __float2int_rn(q[3] * unit.mass));
+  int *x, *y, *z, *mass;
+  __device__ __forceinline__ FixedRow operator+(int n) const {
+    return {x + n, y + n, z + n, mass + n};
+  }
+  __device__ __forceinline__ void add(int n, Quad<float> const& counts) const {
+    atomicAdd(x + n, __float2int_rn(counts[0]));
+    atomicAdd(y + n, __float2int_rn(counts[1]));
+    atomicAdd(z + n, __float2int_rn(counts[2]));
+    atomicAdd(mass + n, __float2int_rn(counts[3]));
   }
 };
 struct SumsOfArena {
   Arena arena;
   Lattice<float> lattice;
   FixedPoint unit;
-  // A cell per substep [m/s]: with no more than most_masses at a node its sums then hold what it gets.
-  __device__ __forceinline__ float most_momentum_per_mass() const {
-    return unit.mass * unit.inverse_momentum;
+  // Momentum at a cell per substep counts as much as mass: with no more than most_masses at a node the sums hold it.
+  __device__ __forceinline__ Quad<float> in_counts(Quad<float> const& q) const {
+    return quad(q[0] * unit.momentum, q[1] * unit.momentum, q[2] * unit.momentum, q[3] * unit.mass);
+  }
+  template <class Change>
+  __device__ __forceinline__ Change in_counts(Change const& momentum) const {
+    return unit.momentum * momentum;
   }
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
-    int const first = static_cast<int>(lattice.index(at[0], at[1], at[2]));
-    return Window{FixedRow{arena.sums + first, arena.count, unit}, lattice.nodes[0],
-                  lattice.nodes[0] * lattice.nodes[1]};
+    int* const first = arena.sums + static_cast<int>(lattice.index(at[0], at[1], at[2]));
+    int const plane = arena.count;
+    return Window{FixedRow{first, first + plane, first + 2 * plane, first + 3 * plane},
+                  lattice.nodes[0], lattice.nodes[0] * lattice.nodes[1]};
   }
 };
 

@@ -132,7 +132,7 @@ template <class Scene> class ResidentBlock {
       if (threadIdx.x == 0) control.finish(clock, 0);
       return;
     }
-    Ctx const context = shared_.context;
+    Ctx const& context = shared_.context;
     unit_ = FixedPoint::make(shared_.heaviest, context.lattice.dx, clock.dt);
     arena_.clear_sums();
     __syncthreads();
