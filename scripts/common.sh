@@ -7,6 +7,7 @@ build_root=${MPMPBD_BUILD_ROOT:-$root/build}
 jobs=${MPMPBD_JOBS:-$(nproc 2>/dev/null || echo 2)}
 cuda_minimum=12.4
 cuda_wheels="$build_root/cuda-toolkit" # the compiler from PyPI, where the machine has none
+cuda_reader="$build_root/cuda-reader"  # what reads its machine code, likewise
 
 say() { printf '== %s\n' "$*"; }
 die() {
@@ -47,6 +48,19 @@ nvcc_of_wheels() {
   for nvcc in "$cuda_wheels"/lib/python3*/site-packages/nvidia/cu*/bin/nvcc; do
     if [[ -x $nvcc ]]; then
       echo "$nvcc"
+      return
+    fi
+  done
+}
+
+# What reads machine code: the toolkit's own, or that of the wheels; or nothing.
+find_cuobjdump() {
+  local nvcc program
+  nvcc=$(find_nvcc)
+  for program in "${nvcc:+$(dirname "$nvcc")/cuobjdump}" "$(command -v cuobjdump || true)" \
+    "$cuda_reader"/lib/python3*/site-packages/nvidia/cu*/bin/cuobjdump; do
+    if [[ -n $program && -x $program ]]; then
+      echo "$program"
       return
     fi
   done

@@ -10,7 +10,7 @@ Usage: scripts/setup.sh [test|demo|ci] [--no-cuda]
 
   test      compilers, build tools and libraries (default)
   demo      test, and what the demo draws with: ffmpeg, matplotlib
-  ci        test, and clang with its tools, h5py
+  ci        test, and clang with its tools, h5py, what reads machine code of kernels
   --no-cuda do not look for a CUDA compiler
 
 Debian packages are installed as root or by sudo. Without an nvcc >= 12.4 on the machine, the CUDA
@@ -82,6 +82,14 @@ install_cuda_wheels() {
   "$toolkit/bin/nvcc" -std=c++20 -arch=sm_75 "$cuda_wheels/check.cu" -o "$cuda_wheels/check"
 }
 
+# What reads machine code (6 MB); without it one test is left out.
+install_cuda_reader() {
+  rm -rf "$cuda_reader"
+  python3 -m venv "$cuda_reader" &&
+    timeout 120 "$cuda_reader/bin/pip" install --quiet --disable-pip-version-check --no-deps \
+      --retries 1 nvidia-cuda-cuobjdump==13.2.51 nvidia-cuda-nvdisasm==13.2.51
+}
+
 if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
   install_debian "${packages[@]}"
 else
@@ -100,6 +108,10 @@ if [[ $cuda == yes ]]; then
   fi
   if [[ -n $nvcc ]]; then
     say "CUDA compiler: $nvcc ($(nvcc_version "$nvcc"))"
+    if [[ $purpose == ci && -z $(find_cuobjdump) ]] && ! install_cuda_reader; then
+      rm -rf "$cuda_reader"
+      say "no cuobjdump: the machine code of kernels is not looked at"
+    fi
   else
     say "CUDA compiler: none; the library is built without CUDA"
   fi

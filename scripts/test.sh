@@ -79,6 +79,8 @@ if [[ ${cuda,,} != off ]]; then
   [[ -z $nvcc ]] || export CUDACXX=$nvcc
 fi
 options=("-DCMAKE_CUDA_ARCHITECTURES=$arch")
+cuobjdump=$(find_cuobjdump)
+[[ ${cuda,,} == off || -z $cuobjdump ]] || options+=("-DMPMPBD_CUOBJDUMP=$cuobjdump")
 [[ -z $cuda ]] || options+=("-DMPMPBD_CUDA=${cuda^^}")
 # What -O2 takes longer to compile with asan than the preset's -O1, only the tier physics wins back.
 if [[ $sanitizer == asan-ubsan && $tiers != unit ]]; then
