@@ -39,14 +39,26 @@ def loops(code):
     return sorted(found, key=lambda loop: loop[1] - loop[0])
 
 
-def complaints(name, code, nodes):
+def names(code):
+    return Counter(what.split(".")[0] for _, what, _ in code)
+
+
+def particle_loop(code, nodes):
+    """Where the loop over particles begins and ends; None if there is none."""
     for first, end in loops(code):
-        count = Counter(what.split(".")[0] for _, what, _ in code[first:end])
+        count = names(code[first:end])
         if count["ATOMS"] >= 4 * nodes and count["LDS"] >= nodes:
-            break
-    else:
+            return first, end
+    return None
+
+
+def complaints(name, code, nodes):
+    loop = particle_loop(code, nodes)
+    if loop is None:
         yield f"{name} has no loop that gathers from {nodes} nodes and scatters to as many"
         return
+    first, end = loop
+    count = names(code[first:end])
     print(f"{end - first} instructions, {count['STL']} stores to and {count['LDL']} loads from local memory: {name}")
     if count["STL"] > 0 or count["LDL"] > MOST_KEPT_WORDS:
         yield f"{name} spills in its loop"
