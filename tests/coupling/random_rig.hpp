@@ -112,4 +112,14 @@ template <class T, class Form> Rig<T, Form> random_rig(Draw& d, Extras const& ex
   return r;
 }
 
+// A grid full of tissue at rest.
+template <class Form> Rig<double, Form> full_rig(Units const& unit, int n) {
+  Rig<double, Form> r(n, n, n, unit.length);
+  r.dt = r.previous_dt = 0.1 * unit.time();
+  r.rest_density = unit.density;
+  std::fill(r.mass.begin(), r.mass.end(), unit.mass());
+  std::fill(r.inverse_mass.begin(), r.inverse_mass.end(), 1 / unit.mass() * vec(1.0, 1.0, 1.0));
+  return r;
+}
+
 }  // namespace test
