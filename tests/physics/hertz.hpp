@@ -2,8 +2,7 @@
 // F = 4/3 E* sqrt(R) d^1.5, E* = E / (1 - nu^2).
 //
 // A quarter of the block between two planes of symmetry, 4 R wide and 4 R deep: with its mirror images 8 R. The force is
-// the slope of the strain energy over depth, of a motion slow enough to be one of equilibria: the sphere takes six
-// times as long as a shear wave through the block.
+// the slope of the strain energy over depth.
 #pragma once
 
 #include "catch.hpp"
@@ -29,21 +28,22 @@ class Indentation {
   static constexpr double radius = 10e-3, young = 10e3, poisson = 0.45, density = 1000.0;
   static constexpr double deepest = 1.6e-3;
 
-  explicit Indentation(int cells_per_radius)
+  // The block's faces above and below lie `height` cells above nodes. The sphere takes `crossings` times as long as a
+  // shear wave through the block.
+  explicit Indentation(int cells_per_radius, double height = 0.0, double crossings = 6.0)
       : dx_(radius / cells_per_radius), n_(4 * cells_per_radius), run_(options()) {
     double const speed = std::sqrt(young / (2 * (1 + poisson)) / density), side = n_ * dx_;
-    duration_ = 6 * side / speed;
-    low_ = margin * dx_;
-    top_ = low_ + side;
+    double const low = margin * dx_, bottom = low + height * dx_, top = bottom + side;
+    duration_ = crossings * side / speed;
     run_.set<NeoHookean>(lame(young, poisson));
     run_.set<Damping>({speed / side});
-    run_.set<Walls<Slip>>({{low_, low_, low_}, {top_, top_, 1e3}});
-    run_.set<Indenter>({{low_, low_, top_ + radius}, {0, 0, -deepest / duration_}, radius, 1e3});
+    run_.set<Walls<Slip>>({{low, low, bottom}, {low + side, low + side, 1e3}});
+    run_.set<Indenter>({{low, low, top + radius}, {0, 0, -deepest / duration_}, radius, 1e3});
     std::vector<Vec3<double>> at;
     for (int k = 0; k < 2 * n_; ++k)
       for (int j = 0; j < 2 * n_; ++j)
         for (int i = 0; i < 2 * n_; ++i)
-          at.push_back(vec(low_, low_, low_) + 0.5 * dx_ * vec(i + 0.5, j + 0.5, k + 0.5));
+          at.push_back(vec(low, low, bottom) + 0.5 * dx_ * vec(i + 0.5, j + 0.5, k + 0.5));
     run_.add_particles(0, at, density, dx_ * dx_ * dx_ / 8);
   }
 
@@ -76,42 +76,55 @@ class Indentation {
     int const nodes = n_ + 2 * margin + 1;
     return {.environments = 1,
             .cell_size = dx_,
-            .nodes = {nodes, nodes, nodes},
+            .nodes = {nodes, nodes, nodes + 1},
             .capacity = {{"particle", std::int64_t{8} * n_ * n_ * n_}}};
   }
 
   double dx_;
   int n_;
   Simulation<Pressed, Threads, float> run_;
-  double duration_ = 0.0, low_ = 0.0, top_ = 0.0;
+  double duration_ = 0.0;
 };
 
-// F = C (d + gap)^p with all three free: the straight line of log F over log(d + gap) whose gap, of 0 to `most`
-// (1.5 dx on the page), leaves the least. Stiffness is that of a force held to p = 1.5 with that gap.
+// The straight line of log F over log(d + gap), between two depths.
 struct HertzFit {
   double gap;        // contact begins so far before the sphere meets the particles' faces [m]
   double stiffness;  // over Hertz's
   double exponent;   // of F over depth + gap
   double left;       // root mean square of log F beside the line
 };
+inline HertzFit fit_with(Indentation::Curve const& curve, double from, double to, double gap) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, over = 0;
+  for (std::size_t i = 0; i < curve.depth.size(); ++i) {
+    double const d = curve.depth[i];
+    if (d < from || d > to) continue;
+    double const p = std::log(d + gap), q = std::log(curve.force[i]);
+    n += 1, x += p, y += q, xx += p * p, xy += p * q, yy += q * q;
+    over += q - std::log(Indentation::hertz(d + gap));
+  }
+  double const across = xy - x * y / n, slope = across / (xx - x * x / n);
+  double const left = std::max(0.0, yy - y * y / n - slope * across);
+  return {gap, std::exp(over / n), slope, std::sqrt(left / n)};
+}
+
+// The mean of curves at the same depths.
+inline Indentation::Curve mean_of(std::vector<Indentation::Curve> const& all) {
+  auto mean = all.front();
+  for (std::size_t i = 0; i < mean.depth.size(); ++i) {
+    mean.force[i] = 0;
+    for (auto const& one : all) mean.force[i] += one.force[i] / static_cast<double>(all.size());
+  }
+  return mean;
+}
+
+// F = C (d + gap)^p with all three free: the straight line of log F over log(d + gap) whose gap, of 0 to `most`
+// (1.5 dx on the page), leaves the least. Stiffness is that of a force held to p = 1.5 with that gap.
 inline HertzFit fit_hertz(Indentation::Curve const& curve, double from, double to, double most) {
-  auto const with = [&](double gap) {
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, over = 0;
-    for (std::size_t i = 0; i < curve.depth.size(); ++i) {
-      double const d = curve.depth[i];
-      if (d < from || d > to) continue;
-      double const p = std::log(d + gap), q = std::log(curve.force[i]);
-      n += 1, x += p, y += q, xx += p * p, xy += p * q, yy += q * q;
-      over += q - std::log(Indentation::hertz(d + gap));
-    }
-    double const across = xy - x * y / n, slope = across / (xx - x * x / n);
-    double const left = std::max(0.0, yy - y * y / n - slope * across);
-    return HertzFit{gap, std::exp(over / n), slope, std::sqrt(left / n)};
-  };
-  HertzFit best = with(0.0);
+  HertzFit best = fit_with(curve, from, to, 0.0);
   int const places = 600;
   for (int i = 1; i <= places; ++i)
-    if (auto const fit = with(most * i / places); fit.left < best.left) best = fit;
+    if (auto const fit = fit_with(curve, from, to, most * i / places); fit.left < best.left)
+      best = fit;
   return best;
 }
 
