@@ -1,9 +1,10 @@
-// The grid of one environment in the shared memory of a thread block.
+// The grid of one environment, in the shared memory of a thread block or in the memory of the device.
 //
 // Sums are 32-bit fixed point: shared float atomics are compare-and-swap loops on sm_90, and their order is not
 // repeatable, while integers may be added in any order.
 #pragma once
 
+#include <mpmpbd/backend/cuda/team.cuh>
 #include <mpmpbd/core/quad.hpp>
 #include <mpmpbd/core/status.hpp>
 #include <mpmpbd/mpm/lattice.hpp>
@@ -43,8 +44,7 @@ struct Arena {
             reinterpret_cast<int*>(memory + sizeof(float4) * static_cast<unsigned>(count)), count};
   }
   __device__ void clear_sums() const {
-    for (int i = static_cast<int>(threadIdx.x); i < 4 * count; i += static_cast<int>(blockDim.x))
-      sums[i] = 0;
+    Run{0, 4 * count}.each([&](int i) { sums[i] = 0; });
   }
 };
 
@@ -99,15 +99,16 @@ struct VelocitiesOfArena {
   }
 };
 
-// Velocities from sums, then the scene's forces and boundaries; clears the sums. Returns the faults met.
+// Velocities of a run of nodes from their sums, then the scene's forces and boundaries; clears the sums. Returns the
+// faults met.
 template <class Stage, class Ctx>
-__device__ __forceinline__ std::uint32_t move_nodes(Arena const& arena, Ctx const& context,
-                                                    FixedPoint const& unit) {
+__device__ __forceinline__ std::uint32_t move_nodes(Arena const& arena, Run const& nodes,
+                                                    Ctx const& context, FixedPoint const& unit) {
   using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Nodes>;
   constexpr auto most = static_cast<unsigned>(FixedPoint::most_masses * FixedPoint::scale);
   auto const& lattice = context.lattice;
   bool crowded = false;
-  for (int i = static_cast<int>(threadIdx.x); i < arena.count; i += static_cast<int>(blockDim.x)) {
+  nodes.each([&](int i) {
     int* const sum = arena.sums + i;
     int const plane = arena.count;
     auto const mass = static_cast<unsigned>(sum[3 * plane]);
@@ -123,7 +124,7 @@ __device__ __forceinline__ std::uint32_t move_nodes(Arena const& arena, Ctx cons
     Vec3<float> const v = n[node::Velocity{}];
     arena.velocity[i] = make_float4(v[0], v[1], v[2], n[node::Mass{}]);
     for (int c = 0; c < 4; ++c) sum[c * plane] = 0;
-  }
+  });
   return crowded ? static_cast<std::uint32_t>(Fault::overflow) : 0u;
 }
 

@@ -72,6 +72,7 @@ template <class Move, class Ctx, class Shape> struct NodesOfArena {
   // From here on the coupling reads no particle and changes no nodes but these.
   template <class Team_, class T>
   __device__ void announce(Team_ const& team, Incidence<T> const& touched) const {
+    if (announced) return;
     team.each(touched.counters[0], [&](int i) { near.mark(touched.nodes[i].index); });
     let_others_go();
   }

@@ -27,6 +27,15 @@ struct BlockTeam : detail::ThreadsOfBlock {
   __device__ void sync() const { __syncthreads(); }
 };
 
+// A run of numbers that all threads of the block share out.
+struct Run {
+  int first, end;
+  template <class F> __device__ __forceinline__ void each(F const& f) const {
+    for (int i = first + static_cast<int>(threadIdx.x); i < end; i += static_cast<int>(blockDim.x))
+      f(i);
+  }
+};
+
 // The first `count` threads, a multiple of 32; they meet at a barrier of their own.
 template <int count> struct FirstThreads : detail::ThreadsOfBlock {
   template <class F> __device__ void each(int n, F const& f) const {

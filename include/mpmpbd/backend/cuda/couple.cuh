@@ -1,0 +1,69 @@
+// The coupling of one environment, carried out by the first threads of a block.
+#pragma once
+
+#include <mpmpbd/backend/cuda/launch.cuh>
+#include <mpmpbd/backend/cuda/near_cells.cuh>
+
+namespace mpmpbd::cuda {
+
+namespace detail {
+// Stages over the whole environment, and whether the rest of the block may go on meanwhile: those that change
+// nodes must say which (announces_nodes).
+template <class Stages> struct TogetherOf;
+template <class... Ss> struct TogetherOf<TypeList<Ss...>> {
+  template <class S>
+  static constexpr bool is_together = std::is_same_v<typename S::Kind, kind::Together>;
+  template <class S> static consteval bool may_overlap() {
+    if constexpr (!is_together<S> || !contains<typename S::Writes, node::Velocity>)
+      return true;
+    else if constexpr (requires { S::announces_nodes; })
+      return S::announces_nodes;
+    else
+      return false;
+  }
+  using type = join_t<std::conditional_t<is_together<Ss>, TypeList<Ss>, TypeList<>>...>;
+  static constexpr bool overlap = (may_overlap<Ss>() && ...) && type::size > 0;
+};
+}  // namespace detail
+
+template <class Scene> struct Couple {
+  using Shape = typename Scene::Body::Shape;
+  using Together = detail::TogetherOf<typename Scene::Substep::Stages>;
+  using Stages = typename Together::type;
+  using Near = NearCells<Shape>;
+  using Ctx = typename StepRecord<Scene>::Ctx;
+  using Nodes_ = NodesOfArena<MoveNodes<typename Scene::Body, typename Scene::Effects>, Ctx, Shape>;
+  static constexpr int team_size = 128;
+  // Whether other threads of the block may go on meanwhile.
+  static constexpr bool overlaps = Together::overlap;
+  static constexpr bool any = Stages::size > 0;
+  using Team_ = std::conditional_t<overlaps, FirstThreads<team_size>, BlockTeam>;
+
+  // All stages of substep s; where others wait, they are let go as early as can be. Returns the faults met.
+  // A function of its own, which both forms of execution call.
+  __device__ __noinline__ static std::uint32_t run(Launch<Scene> const& launch, std::int64_t env,
+                                                   Arena arena, unsigned* near,
+                                                   StepRecord<Scene> const& record, int s,
+                                                   bool others_wait) {
+    Ctx const context = record.at(s);
+    bool announced = !others_wait;
+    Nodes_ const nodes{arena,
+                       context,
+                       launch.scratch + env * launch.scratch_stride,
+                       launch.slot_of_node + env * static_cast<std::int64_t>(arena.count),
+                       Near{near, launch.lattice},
+                       announced};
+    auto const faults = run_all(launch.fields(env), nodes, context, Stages{});
+    nodes.let_others_go();
+    return faults;
+  }
+
+ private:
+  template <class Env, class... Ss>
+  __device__ static std::uint32_t run_all(Env const& env, Nodes_ const& nodes, Ctx const& context,
+                                          TypeList<Ss...>) {
+    return (Ss::run(Team_{}, env, context, nodes) | ... | 0u);
+  }
+};
+
+}  // namespace mpmpbd::cuda

@@ -1,0 +1,140 @@
+// What a step of a scene is launched with, and what is known of an environment while its step is under way: the same
+// for a grid in shared memory and one in the memory of the device.
+#pragma once
+
+#include <mpmpbd/backend/cuda/arena.cuh>
+#include <mpmpbd/backend/cuda/tables.cuh>
+#include <mpmpbd/backend/cuda/team.cuh>
+#include <mpmpbd/scene/step_bounds.hpp>
+#include <mpmpbd/scene/step_control.hpp>
+
+namespace mpmpbd::cuda {
+
+template <class Scene> struct Launch {
+  TablesOf<Scene, float> tables;
+  Lattice<float> lattice;
+  double h;  // length of the step [s]
+  SubstepChoice choice;
+  unsigned char const* mask;  // null: every environment moves, else those where it is not 0
+  char* scratch;              // of the coupling, per environment
+  std::int64_t scratch_stride;
+  int* slot_of_node;  // of the coupling, per environment and node; -1 between two exchanges
+  int* waiting;       // resident form: per environment and slot of a particle
+
+  __device__ bool moves(std::int64_t env) const { return mask == nullptr || mask[env] != 0; }
+  // Made where they are used: kept, their many pointers would crowd the registers.
+  __device__ auto fields(std::int64_t env) const { return tables.environment(env); }
+  __device__ auto const& particles() const { return tables.template of<Particles>(); }
+  __device__ std::int64_t first_particle(std::int64_t env) const {
+    return env * particles().view.capacity;
+  }
+  __device__ int live_particles(std::int64_t env) const {
+    return static_cast<int>(particles().live[env]);
+  }
+};
+
+namespace detail {
+__device__ inline void raise(float& to, float value) {  // neither is negative
+  atomicMax(reinterpret_cast<int*>(&to), __float_as_int(value));
+}
+__device__ inline void lower(float& to, float value) {
+  atomicMin(reinterpret_cast<int*>(&to), __float_as_int(value));
+}
+}  // namespace detail
+
+// What is found in the particles of an environment before they move. None of it depends on their order.
+struct Findings {
+  StepBounds<float> bounds;
+  float heaviest = 0.0f, lightest = infinity<float>;  // particle [kg]
+  unsigned held = 0;                                  // fault of those beyond the border
+  unsigned faults = 0;                                // of their state
+
+  // Threads may do so at the same time.
+  __device__ void include(Findings const& f) {
+    detail::raise(bounds.frequency2, f.bounds.frequency2);
+    detail::raise(bounds.damping, f.bounds.damping);
+    detail::raise(bounds.speed, f.bounds.speed);
+    detail::raise(bounds.rate, f.bounds.rate);
+    detail::raise(heaviest, f.heaviest);
+    detail::lower(lightest, f.lightest);
+    if (f.held != 0) atomicOr(&held, f.held);
+    if (f.faults != 0) atomicOr(&faults, f.faults);
+  }
+};
+
+// What this thread finds in a run of slots; particles beyond the border are put back to it.
+template <class Scene, class Ctx>
+__device__ Findings look_at_particles(Launch<Scene> const& launch, std::int64_t env,
+                                      Run const& slots, Ctx const& context) {
+  using Shape = typename Scene::Body::Shape;
+  using Bounds = ParticleBounds<Scene>;
+  using Reads = union_t<typename Bounds::Reads, Fields<particle::Mass, particle::Position>>;
+  auto const& view = launch.particles().view;
+  Room<float> room[3];
+  for (int a = 0; a < 3; ++a) room[a] = Room<float>::template on_axis<Shape>(launch.lattice, a);
+  Findings all;
+  slots.each([&](int slot) {
+    std::int64_t const index = launch.first_particle(env) + slot;
+    Local<float, union_t<typename Bounds::Used, Fields<particle::Mass, particle::Position>>> p;
+    p.load(view, index, Reads{});
+    bool moved = false;
+    for (int a = 0; a < 3; ++a) moved = room[a].hold(p[particle::Position{}][a]) || moved;
+    if (moved) {
+      p.store(view, index, Fields<particle::Position>{});
+      all.held |= static_cast<unsigned>(Fault::escape);
+    }
+    all.faults |= Bounds::include(p, context, SharesDoNotMatter{}, all.bounds);
+    all.heaviest = max(all.heaviest, p[particle::Mass{}]);
+    all.lightest = min(all.lightest, p[particle::Mass{}]);
+  });
+  return all;
+}
+
+// The step of an environment. One thread opens, chooses and closes; all may look and note.
+template <class Scene> struct StepRecord {
+  using Ctx = Context<float, typename Scene::Policies>;
+  Ctx context;
+  StepClock<float> clock;
+  Findings found;
+  unsigned met[2];  // faults, by substeps: even, odd
+  bool frozen;
+
+  template <class Env> __device__ void open(Env const& env, Lattice<float> const& lattice) {
+    context = load_context<typename Scene::Policies>(env, lattice);
+    found = {};
+    met[0] = met[1] = 0;
+    frozen = false;
+  }
+  // The substeps of the step, from what was found.
+  template <class Control>
+  __device__ void choose(Control const& control, Launch<Scene> const& launch) {
+    found.bounds.speed = max(found.bounds.speed, needle_speed<Scene>(control.env, context));
+    control.meet(found.held | lost_bodies(control.env));
+    control.meet(found.faults);
+    if (found.heaviest > FixedPoint::greatest_contrast * found.lightest)
+      control.meet(static_cast<std::uint32_t>(Fault::overflow));
+    auto const limit = step_limit<typename Scene::Body>(found.bounds, launch.lattice.dx);
+    clock = control.begin(limit, launch.h, launch.choice);
+    frozen = control.frozen();
+  }
+  __device__ void note(unsigned faults, int s) {
+    if (faults != 0) atomicOr(&met[s & 1], faults);
+  }
+  // What substep s has met; gets the counters of the next one ready.
+  template <class Control> __device__ void close(Control const& control, int s) {
+    control.meet(met[s & 1] | lost_bodies(control.env));
+    met[s & 1] = 0;
+    frozen = control.frozen();
+  }
+
+  __device__ FixedPoint fixed_point() const {
+    return FixedPoint::make(found.heaviest, context.lattice.dx, clock.dt);
+  }
+  __device__ Ctx at(int s) const { return at(context, clock, s); }
+  __device__ static Ctx at(Ctx context, StepClock<float> const& clock, int s) {
+    context.tick = clock.tick(s);
+    return context;
+  }
+};
+
+}  // namespace mpmpbd::cuda

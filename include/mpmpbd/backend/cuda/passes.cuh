@@ -1,0 +1,75 @@
+// What happens to a particle between two visits to the grid: scatter, gather, or gather and scatter at once.
+#pragma once
+
+#include <mpmpbd/backend/cuda/arena.cuh>
+#include <mpmpbd/backend/cuda/launch.cuh>
+
+namespace mpmpbd::cuda {
+
+// What a fused pass has to load and keep: a field that the next gather overwrites unread stays in
+// registers and never goes through memory.
+template <class GatherStage, class ScatterStage> struct Fused {
+  using Used = on_t<union_t<typename GatherStage::Reads, typename GatherStage::Writes,
+                            typename ScatterStage::Reads, typename ScatterStage::Writes>,
+                    Particles>;
+  using Loads =
+      stored_t<on_t<union_t<typename GatherStage::Reads,
+                            minus_t<typename ScatterStage::Reads, typename GatherStage::Writes>>,
+                    Particles>>;
+  using Changed = union_t<typename GatherStage::Writes, typename ScatterStage::Writes>;
+  using Overwritten = minus_t<typename GatherStage::Writes, typename GatherStage::Reads>;
+  using Keeps = stored_t<on_t<minus_t<Changed, Overwritten>, Particles>>;
+};
+// The same of one stage alone.
+template <class Stage> struct Single {
+  using Reads = on_t<typename Stage::Reads, Particles>;
+  using Keeps = stored_t<on_t<typename Stage::Writes, Particles>>;
+  using Used = union_t<Reads, on_t<typename Stage::Writes, Particles>>;
+  using Loads = stored_t<Reads>;
+};
+
+// Faults of a substep, and those that belong to the next one.
+struct Met {
+  unsigned now = 0, next = 0;
+};
+
+template <class Scene> struct ParticlePasses {
+  using Body = typename Scene::Body;
+  using P2G = ParticlesToGrid<Body, typename Scene::Effects>;
+  using G2P = GridToParticles<Body, typename Scene::Effects>;
+  using Ctx = typename StepRecord<Scene>::Ctx;
+
+  Launch<Scene> const& launch;
+  Arena arena;
+  FixedPoint unit;
+
+  __device__ __forceinline__ void scatter(std::int64_t index, Ctx const& next, Met& met) const {
+    visit<Single<P2G>>(index, [&](auto& p) { met.next |= P2G::run(p, sums(), next); });
+  }
+  __device__ __forceinline__ void gather(std::int64_t index, Ctx const& now, Met& met) const {
+    visit<Single<G2P>>(index, [&](auto& p) { met.now |= G2P::run(p, velocities(), now); });
+  }
+  __device__ __forceinline__ void gather_and_scatter(std::int64_t index, Ctx const& now,
+                                                     Ctx const& next, Met& met) const {
+    visit<Fused<G2P, P2G>>(index, [&](auto& p) {
+      met.now |= G2P::run(p, velocities(), now);
+      met.next |= P2G::run(p, sums(), next);
+    });
+  }
+
+ private:
+  __device__ __forceinline__ auto sums() const { return SumsOfArena{arena, launch.lattice, unit}; }
+  __device__ __forceinline__ auto velocities() const {
+    return VelocitiesOfArena{arena, launch.lattice};
+  }
+  template <class Pass, class Function>
+  __device__ __forceinline__ void visit(std::int64_t index, Function const& f) const {
+    auto const& view = launch.particles().view;
+    Local<float, typename Pass::Used> p;
+    p.load(view, index, typename Pass::Loads{});
+    f(p);
+    p.store(view, index, typename Pass::Keeps{});
+  }
+};
+
+}  // namespace mpmpbd::cuda
