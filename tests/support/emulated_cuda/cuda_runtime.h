@@ -56,7 +56,7 @@ inline unsigned seed = 1;
 inline int devices = 1;
 inline std::size_t free_bytes = std::size_t{1} << 34;
 inline int shared_bytes_per_block = 232448;
-inline int launches = 0, allocations = 0;  // counted
+inline int launches = 0, allocations = 0, waits = 0;  // counted
 
 // One block of threads.
 class Block {
@@ -105,7 +105,6 @@ class Block {
   static constexpr std::size_t stack_bytes = std::size_t{1} << 18;
   struct Fiber {
     ucontext_t context;
-    std::unique_ptr<char[]> stack;
     bool waits = false, ended = false;
   };
   struct Barrier {
@@ -113,11 +112,17 @@ class Block {
     std::vector<unsigned> waiting;
   };
 
+  // Blocks run one after the other and take the same stacks.
+  static char* stack_of(unsigned t) {
+    static std::vector<std::unique_ptr<char[]>> stacks;
+    while (stacks.size() <= t)
+      stacks.push_back(std::make_unique_for_overwrite<char[]>(stack_bytes));
+    return stacks[t].get();
+  }
   void start(unsigned t) {
     Fiber& f = fibers_[t];
-    f.stack = std::make_unique_for_overwrite<char[]>(stack_bytes);
     getcontext(&f.context);
-    f.context.uc_stack.ss_sp = f.stack.get();
+    f.context.uc_stack.ss_sp = stack_of(t);
     f.context.uc_stack.ss_size = stack_bytes;
     f.context.uc_link = &scheduler_;
     makecontext(&f.context, &Block::enter, 0);
@@ -209,7 +214,7 @@ inline cudaError_t cudaGetLastError() { return cudaSuccess; }
 inline cudaError_t cudaGetDeviceCount(int* count) { return *count = emulated::devices, cudaSuccess; }
 inline cudaError_t cudaGetDevice(int* device) { return *device = 0, cudaSuccess; }
 inline cudaError_t cudaSetDevice(int) { return cudaSuccess; }
-inline cudaError_t cudaStreamSynchronize(cudaStream_t) { return cudaSuccess; }
+inline cudaError_t cudaStreamSynchronize(cudaStream_t) { return ++emulated::waits, cudaSuccess; }
 inline cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr, int) {
   return *value = emulated::shared_bytes_per_block, cudaSuccess;
 }
@@ -236,13 +241,15 @@ template <class Kernel> cudaError_t cudaFuncSetAttribute(Kernel*, cudaFuncAttrib
 }
 template <class... Args>
 cudaError_t cudaLaunchKernel(void (*kernel)(Args...), dim3 grid, dim3 block, void** args,
-                             std::size_t, cudaStream_t) {
+                             std::size_t shared_bytes, cudaStream_t) {
   ++emulated::launches;
   gridDim = grid;
   blockDim = block;
   for (unsigned b = 0; b < grid.x; ++b) {
     blockIdx = {b, 0, 0};
-    std::memset(mpmpbd::cuda::dynamic_shared_memory, 0xcd, sizeof mpmpbd::cuda::dynamic_shared_memory);
+    if (shared_bytes > 0)
+      std::memset(mpmpbd::cuda::dynamic_shared_memory, 0xcd,
+                  sizeof mpmpbd::cuda::dynamic_shared_memory);
     emulated::Block(block.x, [&] {
       emulated::call(kernel, args, std::index_sequence_for<Args...>{});
     }).run();
