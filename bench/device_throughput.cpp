@@ -3,11 +3,12 @@
 // A row per number of environments and substeps; with contact, and without (the surface taken away: tissue, needle and
 // thread move, and do not meet). Milliseconds per step, mean and standard deviation over blocks of steps, and
 // nanoseconds per particle and substep.
-// Usage: bench_device_throughput [ENVIRONMENTS...]
+// Usage: bench_device_throughput [resident|tiled] [ENVIRONMENTS...]
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 #include <vector>
 
 #include <mpmpbd/backend/cuda.hpp>
@@ -66,9 +67,9 @@ Milliseconds time_of_step(OnDevice& run, double h, int blocks, int steps) {
   return m;
 }
 
-void measure(SuturingConfig const& c, OnHost const& start, std::int64_t environments,
-             bool contact) {
-  OnDevice run(suturing::options(c, environments));
+void measure(SuturingConfig const& c, OnHost const& start, std::int64_t environments, bool contact,
+             Cuda where) {
+  OnDevice run(suturing::options(c, environments), where);
   for (std::int64_t env = 0; env < environments; ++env)
     run.state().copy_environment(env, start.state(), 0);
   run.remember();
@@ -88,7 +89,16 @@ void measure(SuturingConfig const& c, OnHost const& start, std::int64_t environm
 
 int main(int argc, char** argv) {
   std::vector<std::int64_t> counts;
-  for (int i = 1; i < argc; ++i) counts.push_back(std::atoll(argv[i]));
+  Cuda where;
+  for (int i = 1; i < argc; ++i) {
+    std::string_view const word = argv[i];
+    if (word == "resident")
+      where.execution = Cuda::Execution::resident;
+    else if (word == "tiled")
+      where.execution = Cuda::Execution::tiled;
+    else
+      counts.push_back(std::atoll(argv[i]));
+  }
   if (counts.empty()) counts = {1, 10, 132, 264, 528, 1056};
   constexpr int steps_to_tissue = 400;
   std::printf(
@@ -98,7 +108,7 @@ int main(int argc, char** argv) {
     auto const c = config(substeps);
     for (bool contact : {true, false}) {
       auto const start = stitch(c, steps_to_tissue, contact);
-      for (auto environments : counts) measure(c, start, environments, contact);
+      for (auto environments : counts) measure(c, start, environments, contact, where);
     }
   }
   return 0;

@@ -203,7 +203,8 @@ TEST_CASE("what a device cannot do is refused before anything is taken", "[cuda]
   int const allocations = emulated::allocations;
   auto large = good;
   large.nodes[0] = 60;
-  CHECK(refusal(large, {}).find("shared memory") != std::string::npos);
+  CHECK(refusal(large, {.execution = Cuda::Execution::resident}).find("shared memory") !=
+        std::string::npos);
   CHECK(refusal(good, {.device = 1}).find("device 1") != std::string::npos);
   CHECK(refusal(good, {.threads = 100}).find("threads = 100") != std::string::npos);
   auto strict = good;

@@ -1,5 +1,5 @@
-// Resident execution on a GPU: tissue alone, and tissue with a thread drawn through it, give what the serial back end
-// gives, and the same bits for any number of environments and threads of a block.
+// Both forms of execution on a GPU: tissue alone, and tissue with a thread drawn through it, give what the serial back end
+// gives, and the same bits for any number of environments and threads of a block, resident or tiled.
 //
 // tests/cuda has the same on an emulated device, and more of it.
 #include <chrono>
@@ -114,7 +114,8 @@ template <class Scene> void compare(char const* name) {
   auto device = make_run<Scene, Cuda>(3);
   auto narrow = make_run<Scene, Cuda>(3, Cuda{0, nullptr, 256});
   auto alone = make_run<Scene, Cuda>(1);
-  serial.step(step), device.step(step), narrow.step(step), alone.step(step);
+  auto tiled = make_run<Scene, Cuda>(3, Cuda{.execution = Cuda::Execution::tiled});
+  serial.step(step), device.step(step), narrow.step(step), alone.step(step), tiled.step(step);
   auto const &d = read(device), &s = read(serial);
   double const v = rounding();
   auto within = [&](char const* what, double got, double allowed) {
@@ -132,10 +133,13 @@ template <class Scene> void compare(char const* name) {
   check(device.status(0) == serial.status(0), name, "the status is that of the serial back end");
   check(same_bits(d, 2, read(narrow), 2), name, "256 threads give the same bits");
   check(same_bits(d, 0, read(alone), 0), name, "alone it has the same bits");
+  for (std::int64_t env : {0, 1, 2})
+    check(same_bits(d, env, read(tiled), env), name, "tiled execution gives the same bits");
 }
 
-template <class Scene> double ns_per_particle_substep(std::int64_t environments) {
-  Simulation<Scene, Cuda, float> run(options<Scene>(environments));
+template <class Scene>
+double ns_per_particle_substep(std::int64_t environments, Cuda::Execution execution) {
+  Simulation<Scene, Cuda, float> run(options<Scene>(environments), {.execution = execution});
   auto const one = make_run<Scene, Serial>(1);
   for (std::int64_t e = 0; e < environments; ++e) run.state().copy_environment(e, one.state(), 0);
   run.step(step);
@@ -153,11 +157,13 @@ template <class Scene> double ns_per_particle_substep(std::int64_t environments)
 int main() {
   compare<TissueAlone>("tissue alone");
   compare<Threaded>("tissue and thread");
-  for (std::int64_t environments : {1, 132, 1056})
-    std::printf(
-        "%d environments of %d particles, %d substeps: %.4f ns per particle-substep; with a thread of %d beads %.4f\n",
-        int(environments), particles, substeps, ns_per_particle_substep<TissueAlone>(environments),
-        beads, ns_per_particle_substep<Threaded>(environments));
+  for (auto form : {Cuda::Execution::resident, Cuda::Execution::tiled})
+    for (std::int64_t environments : {1, 132, 1056})
+      std::printf(
+          "%s, %d environments of %d particles, %d substeps: %.4f ns per particle-substep; with a thread of %d beads %.4f\n",
+          form == Cuda::Execution::tiled ? "tiled" : "resident", int(environments), particles,
+          substeps, ns_per_particle_substep<TissueAlone>(environments, form), beads,
+          ns_per_particle_substep<Threaded>(environments, form));
   std::printf("%d passed, %d failed\n", passed, failed);
   return failed == 0 ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// Runs on a CUDA device: Simulation<Scene, Cuda> moves all environments in one launch per step.
+// Runs on a CUDA device: Simulation<Scene, Cuda> moves all environments at once.
 //
 // This header needs no CUDA compiler. The functions that do are defined in backend/cuda/simulation.cuh: a catalogue
 // compiles them once, so that a program of plain C++ links and drives them.
@@ -14,9 +14,14 @@ namespace mpmpbd {
 
 // Where to run.
 struct Cuda {
+  // resident: a thread block per environment, which holds its grid in shared memory; a step is one launch. tiled: grids
+  // in the memory of the device, of any size; a step is 3 launches per substep. automatic: resident where it fits.
+  enum class Execution { automatic, resident, tiled };
+
   int device = 0;
   void* stream = nullptr;  // a cudaStream_t of that device; null: its default stream
   int threads = 512;       // of a block: 128 to 512, a multiple of 32; bits do not depend on it
+  Execution execution = Execution::automatic;  // nor on this
 };
 
 // A field of all environments in the memory of a device: logical shape (env, slot, component).
@@ -28,7 +33,7 @@ struct DeviceArray {
   bool is_integer;
 };
 
-// Limits: float; the grid of an environment has to fit into the shared memory of a thread block (execution()).
+// Limits: float; no FLIP, no linear splines.
 template <class Scene, class Backend, class T> class Simulation;
 template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private RunState<Scene_, T> {
   using Base = RunState<Scene_, T>;
@@ -83,7 +88,8 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   void reset(std::span<unsigned char const> mask);
 
   // Advances every environment by h [s], each with its own number of substeps; with a mask, those where it is not 0.
-  // Returns before the device has done so.
+  // Returns before the device has done so, unless environments in tiled form choose their substeps: how many these are
+  // is waited for.
   void step(double h, std::span<unsigned char const> mask = {});
 
   // Masks in the memory of the device: nothing is copied, nothing waits. Null: all environments.

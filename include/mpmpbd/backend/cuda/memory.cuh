@@ -1,4 +1,4 @@
-// Device memory and the errors of the CUDA run-time, as sentences.
+// Device memory, launches, and the errors of the CUDA run-time as sentences.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 namespace mpmpbd::cuda {
@@ -32,6 +33,26 @@ class OnDevice {
   int before_ = 0;
 };
 
+// Refuses what the present device has no memory for, before anything is taken.
+inline void require_free(std::size_t bytes) {
+  std::size_t free = 0, all = 0;
+  require(cudaMemGetInfo(&free, &all), "asking for the free memory");
+  if (bytes > free)
+    throw std::runtime_error("mpmpbd Cuda: " + std::to_string(bytes >> 20) + " MiB needed, " +
+                             std::to_string(free >> 20) +
+                             " MiB of the device are free; use fewer environments");
+}
+
+// Starts a kernel; `bytes` of shared memory for each of its blocks.
+template <class... Args>
+void start(cudaStream_t stream, std::string const& what, void (*kernel)(Args...),
+           std::int64_t blocks, int threads, std::size_t bytes, std::remove_cvref_t<Args>... args) {
+  void* list[] = {const_cast<void*>(static_cast<void const*>(&args))...};
+  require(cudaLaunchKernel(kernel, dim3(static_cast<unsigned>(blocks)),
+                           dim3(static_cast<unsigned>(threads)), list, bytes, stream),
+          "launching " + what);
+}
+
 // Bytes on the present device.
 class Memory {
  public:
@@ -39,12 +60,7 @@ class Memory {
   // Refused before anything is allocated when there is not enough.
   explicit Memory(std::size_t bytes) : bytes_(bytes) {
     if (bytes == 0) return;
-    std::size_t free = 0, all = 0;
-    require(cudaMemGetInfo(&free, &all), "asking for the free memory");
-    if (bytes > free)
-      throw std::runtime_error("mpmpbd Cuda: " + std::to_string(bytes >> 20) + " MiB needed, " +
-                               std::to_string(free >> 20) +
-                               " MiB of the device are free; use fewer environments");
+    require_free(bytes);
     require(cudaMalloc(&data_, bytes), "allocating " + std::to_string(bytes) + " bytes");
   }
   Memory(Memory&& other) noexcept

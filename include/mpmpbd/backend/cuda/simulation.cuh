@@ -6,6 +6,7 @@
 #include <mpmpbd/backend/cuda.hpp>
 #include <mpmpbd/backend/cuda/memory.cuh>
 #include <mpmpbd/backend/cuda/resident.cuh>
+#include <mpmpbd/backend/cuda/tiled.cuh>
 
 namespace mpmpbd {
 
@@ -59,18 +60,17 @@ template <class Store> struct Layout {
 }  // namespace cuda
 
 template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
-  static_assert(
-      std::is_same_v<T, float>,
-      "mpmpbd Simulation<Scene, Cuda, T>: resident execution adds up in 32-bit fixed point, which "
-      "is made for float; take float");
+  static_assert(std::is_same_v<T, float>,
+                "mpmpbd Simulation<Scene, Cuda, T>: a device adds up in 32-bit fixed point, which "
+                "is made for float; take float");
   static_assert(
       Scene_::has_body,
       "mpmpbd Simulation<Scene, Cuda>: threads without tissue do not run on a device yet; take "
       "Serial or Threads");
   static_assert(
       !Scene_::Body::Transfer::needs_previous_grid,
-      "mpmpbd Simulation<Scene, Cuda>: FLIP needs the grid before forces too, which does not fit "
-      "beside the grid in shared memory; take Apic, Tpic or Pic");
+      "mpmpbd Simulation<Scene, Cuda>: FLIP needs the grid before forces too, which a device does "
+      "not keep yet; take Apic, Tpic or Pic");
   static_assert(
       has_bounded_stiffness<typename Scene_::Body>,
       "mpmpbd Simulation<Scene, Cuda>: the stable step of linear splines hangs on who shares a "
@@ -79,11 +79,14 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   using Tables = cuda::TablesOf<Scene, float>;
   using Block = cuda::ResidentBlock<Scene>;
   static constexpr int most_threads = 512;
+  using Tiled = cuda::TiledSteps<Scene, most_threads>;
 
   Cuda where;
   cudaStream_t stream;
   std::int64_t shared_bytes, shared_limit = 0;
+  bool resident = true;
   cuda::Memory now, initial, work, mask;
+  Tiled tiled;
   std::size_t work_stride = 0, waiting_at = 0, slots_at = 0;
 
   Device(Cuda where_, Base const& run)
@@ -113,21 +116,51 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
         cudaDeviceGetAttribute(&most, cudaDevAttrMaxSharedMemoryPerBlockOptin, where.device),
         "asking for the shared memory");
     shared_limit = most;
-    if (shared_bytes > shared_limit)
+    resident = where.execution == Cuda::Execution::automatic
+                   ? fits()
+                   : where.execution == Cuda::Execution::resident;
+    if (resident)
+      prepare_resident();
+    else
+      check_tiled(run);
+    take_memory(run);
+  }
+
+  bool fits() const { return shared_bytes <= shared_limit; }
+  std::string execution() const {
+    std::string const takes = "the grid of an environment takes " + std::to_string(shared_bytes) +
+                              " bytes of " + std::to_string(shared_limit) +
+                              " of shared memory per block";
+    if (resident) return "resident: " + takes;
+    if (!fits()) return "tiled: " + takes + ", so it lies in the memory of the device";
+    return "tiled, as asked for: " + takes;
+  }
+  void prepare_resident() const {
+    if (!fits())
       throw std::runtime_error("mpmpbd Cuda: " + execution() +
-                               "; use a grid of fewer nodes or larger cells");
+                               "; use a grid of fewer nodes or larger cells, or tiled execution");
     cuda::require(cudaFuncSetAttribute(cuda::step<Scene, most_threads>,
                                        cudaFuncAttributeMaxDynamicSharedMemorySize,
                                        static_cast<int>(shared_bytes)),
                   "reserving shared memory for a program of this architecture");
-    now = cuda::Memory(Layout::bytes(run.state()));
-    initial = cuda::Memory(now.bytes());
-    mask = cuda::Memory(static_cast<std::size_t>(run.environments()));
   }
-
-  std::string execution() const {
-    return "resident: the grid of an environment takes " + std::to_string(shared_bytes) +
-           " bytes of " + std::to_string(shared_limit) + " of shared memory per block";
+  void check_tiled(Base const& run) const {
+    if (run.lattice().count() > Tiled::most_nodes)
+      throw std::invalid_argument("mpmpbd Cuda: a grid of " +
+                                  std::to_string(run.lattice().count()) +
+                                  " nodes; a device holds " + std::to_string(Tiled::most_nodes) +
+                                  " of an environment at most; use fewer nodes or larger cells");
+  }
+  void take_memory(Base const& run) {
+    auto const state = Layout::bytes(run.state());
+    auto const masks = static_cast<std::size_t>(run.environments());
+    auto const nodes = run.lattice().count();
+    cuda::require_free(2 * state + masks +
+                       (resident ? 0 : Tiled::bytes(run.environments(), nodes)));
+    now = cuda::Memory(state);
+    initial = cuda::Memory(state);
+    mask = cuda::Memory(masks);
+    if (!resident) tiled = Tiled(run.environments(), nodes, stream);
   }
 
   Tables tables(Store const& store, cuda::Memory const& memory) const {
@@ -191,7 +224,8 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     if (bytes <= work_stride) return;
     auto const n = static_cast<std::size_t>(run.environments());
     auto const nodes = static_cast<std::size_t>(run.lattice().count());
-    auto const slots = static_cast<std::size_t>(run.state().template table<Particles>().capacity());
+    auto const slots =
+        resident ? static_cast<std::size_t>(run.state().template table<Particles>().capacity()) : 0;
     work_stride = bytes;
     waiting_at = n * bytes;
     slots_at = waiting_at + n * slots * sizeof(int);
@@ -221,20 +255,15 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                      static_cast<std::int64_t>(work_stride),
                                      work.as<int>(slots_at),
                                      work.as<int>(waiting_at)};
-    start("a step", cuda::step<Scene, most_threads>, run.environments(), where.threads,
-          static_cast<std::size_t>(shared_bytes), launch);
+    if (resident)
+      cuda::start(stream, "a step", cuda::step<Scene, most_threads>, run.environments(),
+                  where.threads, static_cast<std::size_t>(shared_bytes), launch);
+    else
+      tiled.run(launch, where.threads, stream);
   }
   void reset(Base const& run, unsigned char const* of) const {
-    start("a reset", cuda::reset<Scene>, run.environments(), 256, 0, tables(run.state(), now),
-          tables(run.state(), initial), of);
-  }
-  template <class... Args>
-  void start(std::string const& what, void (*kernel)(Args...), std::int64_t blocks, int of_threads,
-             std::size_t bytes, std::remove_cvref_t<Args>... args) const {
-    void* list[] = {const_cast<void*>(static_cast<void const*>(&args))...};
-    cuda::require(cudaLaunchKernel(kernel, dim3(static_cast<unsigned>(blocks)),
-                                   dim3(static_cast<unsigned>(of_threads)), list, bytes, stream),
-                  "launching " + what);
+    cuda::start(stream, "a reset", cuda::reset<Scene>, run.environments(), 256, 0,
+                tables(run.state(), now), tables(run.state(), initial), of);
   }
   unsigned char const* upload(std::span<unsigned char const> of) const {
     if (of.empty()) return nullptr;

@@ -1,0 +1,250 @@
+// Tiled execution: the grid of every environment lies in the memory of the device, and many blocks move its particles. For
+// bodies whose grid does not fit into the shared memory of one block.
+//
+// A step is a row of launches on one stream:
+//
+//   open    look    choose    scatter    n x ( nodes    environment    particles )    close
+//
+// particles: gather and scatter at once, in the last substep gather alone. An environment that does not move, is lost or
+// is done skips the rest. Sums, stages and the bookkeeping of a step are those of the resident form, so bits are too.
+//
+// Limits: float; no FLIP. Where environments choose their substeps, how many launches there are is read back once per step.
+#pragma once
+
+#include <mpmpbd/backend/cuda/couple.cuh>
+#include <mpmpbd/backend/cuda/memory.cuh>
+#include <mpmpbd/backend/cuda/passes.cuh>
+
+namespace mpmpbd::cuda {
+
+// What one launch leaves to the next.
+template <class Scene> struct TiledRecord : StepRecord<Scene> {
+  FixedPoint unit;
+  bool moves;  // from open to close
+};
+
+template <class Scene> struct TiledLaunch {
+  Launch<Scene> step;
+  TiledRecord<Scene>* records;  // per environment
+  char* grids;                  // per environment; sums are zero between two steps
+  int* most_substeps;           // of any environment
+};
+
+// The environment of this block, and its place among the blocks of that environment.
+template <class Scene> struct TiledBlock {
+  using Record = TiledRecord<Scene>;
+  TiledLaunch<Scene> const& launch;
+  std::int64_t env;
+  int part;
+
+  __device__ static TiledBlock of(TiledLaunch<Scene> const& launch, int parts) {
+    auto const block = static_cast<int>(blockIdx.x);
+    return {launch, block / parts, block % parts};
+  }
+  __device__ Record& record() const { return launch.records[env]; }
+  __device__ Arena arena() const {
+    auto const count = launch.step.lattice.count();
+    return Arena::at(launch.grids + env * Arena::bytes(count), static_cast<int>(count));
+  }
+  // As many of `count` items as the block has threads.
+  __device__ Run items(int count) const {
+    int const size = static_cast<int>(blockDim.x);
+    return {part * size, count - part * size < size ? count : (part + 1) * size};
+  }
+  __device__ Run particles() const { return items(launch.step.live_particles(env)); }
+  // Whether substep s belongs to the step of this environment.
+  __device__ bool has(int s) const { return record().moves && s < record().clock.substeps; }
+};
+
+// Finds what bounds the step of an environment, and what is at fault in its particles.
+template <class Scene>
+__global__ void tiled_look(__grid_constant__ TiledLaunch<Scene> const launch, int parts) {
+  alignas(16) extern __shared__ char dynamic_shared_memory[];
+  auto const block = TiledBlock<Scene>::of(launch, parts);
+  if (!block.record().moves) return;
+  Findings& found = *reinterpret_cast<Findings*>(dynamic_shared_memory);
+  if (threadIdx.x == 0) found = {};
+  __syncthreads();
+  auto const context = block.record().context;
+  found.include(look_at_particles(launch.step, block.env, block.particles(), context));
+  __syncthreads();
+  if (threadIdx.x == 0) block.record().found.include(found);
+}
+
+template <class Scene, int threads>
+__global__ void __launch_bounds__(threads)
+    tiled_particles(__grid_constant__ TiledLaunch<Scene> const launch, int parts, int s) {
+  auto const block = TiledBlock<Scene>::of(launch, parts);
+  if (!block.has(s)) return;
+  auto& record = block.record();
+  auto const clock = record.clock;
+  auto const context = record.context;
+  auto const at = [&](int n) { return StepRecord<Scene>::at(context, clock, n); };
+  ParticlePasses<Scene> const passes{launch.step, block.arena(), record.unit};
+  Met met;
+  block.particles().each([&](int slot) {
+    std::int64_t const index = launch.step.first_particle(block.env) + slot;
+    if (s < 0)
+      passes.scatter(index, at(0), met);
+    else if (s + 1 < clock.substeps)
+      passes.gather_and_scatter(index, at(s), at(s + 1), met);
+    else
+      passes.gather(index, at(s), met);
+  });
+  record.note(met.now, s);
+  record.note(met.next, s + 1);
+}
+
+template <class Scene>
+__global__ void tiled_nodes(__grid_constant__ TiledLaunch<Scene> const launch, int parts, int s) {
+  using Move = MoveNodes<typename Scene::Body, typename Scene::Effects>;
+  auto const block = TiledBlock<Scene>::of(launch, parts);
+  if (!block.has(s)) return;
+  auto& record = block.record();
+  auto const arena = block.arena();
+  record.note(move_nodes<Move>(arena, block.items(arena.count), record.at(s), record.unit), s);
+}
+
+// What concerns an environment as a whole, by one block each: its step is opened, its substeps are chosen, what the
+// last substep has met is counted and the coupling of the next carried out.
+template <class Scene> class TiledEnvironment {
+  using Coupling = Couple<Scene>;
+
+ public:
+  static constexpr int threads = Coupling::team_size;
+  static constexpr int opens = -2, chooses = -1;  // else: the substep that is coupled
+
+  __device__ explicit TiledEnvironment(TiledLaunch<Scene> const& launch)
+      : block_{launch, blockIdx.x, 0} {}
+
+  __device__ void run(int s) const {
+    auto& record = block_.record();
+    bool const moves = record.moves;
+    __syncthreads();
+    if (threadIdx.x == 0) {
+      StepControl const control{step().fields(block_.env)};
+      if (s == opens)
+        open(control, record);
+      else if (moves && s == chooses)
+        choose(control, record);
+      else if (moves)
+        close_before(control, record, s);
+    }
+    __syncthreads();
+    if (s >= 0 && record.moves && Coupling::any) couple(record, s);
+  }
+
+ private:
+  using Record = TiledRecord<Scene>;
+  __device__ Launch<Scene> const& step() const { return block_.launch.step; }
+
+  template <class Control> __device__ void open(Control const& control, Record& record) const {
+    record.moves = step().moves(block_.env) && !control.frozen();
+    if (record.moves) record.open(control.env, step().lattice);
+  }
+  template <class Control> __device__ void choose(Control const& control, Record& record) const {
+    record.choose(control, step());
+    record.unit = record.fixed_point();
+    if (record.frozen)
+      finish(control, record, 0);
+    else
+      atomicMax(block_.launch.most_substeps, record.clock.substeps);
+  }
+  template <class Control>
+  __device__ void close_before(Control const& control, Record& record, int s) const {
+    if (s > 0) record.close(control, s - 1);
+    if (record.frozen || s == record.clock.substeps) finish(control, record, s);
+  }
+  template <class Control>
+  __device__ void finish(Control const& control, Record& record, int done) const {
+    control.finish(record.clock, done);
+    record.moves = false;
+  }
+  __device__ void couple(Record& record, int s) const {
+    if constexpr (Coupling::any)
+      record.note(Coupling::run(step(), block_.env, block_.arena(), nullptr, record, s, false), s);
+  }
+
+  TiledBlock<Scene> block_;
+};
+
+template <class Scene>
+__global__ void __launch_bounds__(TiledEnvironment<Scene>::threads)
+    tiled_environment(__grid_constant__ TiledLaunch<Scene> const launch, int s) {
+  TiledEnvironment<Scene>(launch).run(s);
+}
+
+// The host's side: memory, and the row of launches.
+template <class Scene, int most_threads> class TiledSteps {
+  using Environment = TiledEnvironment<Scene>;
+  using Record = TiledRecord<Scene>;
+
+ public:
+  // Indices of nodes and their four sums are 32-bit integers.
+  static constexpr std::int64_t most_nodes = std::int64_t{1} << 29;
+
+  static std::size_t bytes(std::int64_t environments, std::int64_t nodes) {
+    return grids_at(environments) +
+           static_cast<std::size_t>(environments) * static_cast<std::size_t>(Arena::bytes(nodes));
+  }
+  TiledSteps() = default;
+  TiledSteps(std::int64_t environments, std::int64_t nodes, cudaStream_t stream)
+      : environments_(environments), memory_(bytes(environments, nodes)) {
+    fill(0, memory_.bytes(), stream);
+  }
+
+  void run(Launch<Scene> const& step, int threads, cudaStream_t stream) const {
+    TiledLaunch<Scene> const launch{step, memory_.as<Record>(counter_bytes),
+                                    memory_.as(grids_at(environments_)), memory_.as<int>()};
+    auto const environment = [&](int s) {
+      start(stream, "a step", tiled_environment<Scene>, environments_, Environment::threads, 0,
+            launch, s);
+    };
+    auto const parts_of = [&](std::int64_t items) {
+      return items > 0 ? static_cast<int>((items + threads - 1) / threads) : 1;
+    };
+    int const particles = parts_of(step.tables.template of<Particles>().view.capacity);
+    int const nodes = parts_of(step.lattice.count());
+    auto const move = [&](int s) {
+      start(stream, "a step", tiled_particles<Scene, most_threads>, environments_ * particles,
+            threads, 0, launch, particles, s);
+    };
+    environment(Environment::opens);
+    start(stream, "a step", tiled_look<Scene>, environments_ * particles, threads, sizeof(Findings),
+          launch, particles);
+    fill(0, sizeof(int), stream);
+    environment(Environment::chooses);
+    int const substeps = step.choice.fixed > 0 ? step.choice.fixed : most_substeps(stream);
+    move(-1);
+    for (int s = 0; s < substeps; ++s) {
+      start(stream, "a step", tiled_nodes<Scene>, environments_ * nodes, threads, 0, launch, nodes,
+            s);
+      environment(s);
+      move(s);
+    }
+    environment(substeps);
+  }
+
+ private:
+  static constexpr std::size_t counter_bytes = 256;
+  static std::size_t grids_at(std::int64_t environments) {
+    auto const n = counter_bytes + static_cast<std::size_t>(environments) * sizeof(Record);
+    return (n + 255) / 256 * 256;
+  }
+  void fill(int value, std::size_t bytes, cudaStream_t stream) const {
+    require(cudaMemsetAsync(memory_.as(), value, bytes, stream), "clearing the grid");
+  }
+  // Waits for the device: the one time in a step, and only where environments choose their substeps.
+  int most_substeps(cudaStream_t stream) const {
+    int most = 0;
+    require(cudaMemcpyAsync(&most, memory_.as(), sizeof most, cudaMemcpyDeviceToHost, stream),
+            "asking for the substeps");
+    require(cudaStreamSynchronize(stream), "asking for the substeps");
+    return most;
+  }
+
+  std::int64_t environments_ = 0;
+  Memory memory_;
+};
+
+}  // namespace mpmpbd::cuda

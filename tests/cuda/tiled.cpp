@@ -1,0 +1,154 @@
+// The tiled form on an emulated device: it gives the bits of the resident form, and moves grids that no block holds.
+// seconds: 20
+#include "catch.hpp"
+#include "cuda/scenes.hpp"
+#include "cuda/suturing.hpp"
+
+using namespace test;
+
+namespace {
+
+constexpr Cuda resident{.execution = Cuda::Execution::resident};
+constexpr Cuda tiled{.execution = Cuda::Execution::tiled};
+constexpr Cuda narrow{.threads = 160, .execution = Cuda::Execution::tiled};
+
+template <class Run> auto const& read(Run const& run) { return run.state(); }
+
+template <class Run> bool same_everywhere(Run const& a, Run const& b) {
+  bool same = true;
+  for (std::int64_t env = 0; env < a.environments(); ++env)
+    same = same && same_bits(read(a), env, read(b), env);
+  return same;
+}
+
+// A grid far too large for the shared memory of a block, with the tissue of the small one.
+template <class Scene> SimulationOptions large() {
+  auto o = options<Scene>(2);
+  for (int& n : o.nodes) n = 28;
+  return o;
+}
+template <class Run> Run in_large_grid(auto... where) {
+  Run run(large<typename Run::Scene>(), where...);
+  for (std::int64_t env : {0, 1}) set_up(run, env);
+  return run;
+}
+
+// The sentence with which a run is refused; empty where it is not.
+std::string refusal(SimulationOptions const& o, Cuda where) {
+  try {
+    Simulation<Alone, Cuda, float> const run(o, where);
+    return {};
+  } catch (std::exception const& e) { return e.what(); }
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("a scene has the same bits in blocks' memory and in the device's",
+                   "[cuda][tiled]", Alone, Relaxing, Squeezed, Projected) {
+  using Run = Simulation<TestType, Cuda, float>;
+  auto in_blocks = made<Run>(2, resident), on_device = made<Run>(2, tiled),
+       other = made<Run>(2, narrow);
+  auto const start = read(on_device);
+  for (int s = 0; s < 3; ++s) {
+    emulated::seed = 1;
+    in_blocks.step(step);
+    on_device.step(step);
+    emulated::seed = 7;
+    other.step(step);
+  }
+  CHECK_FALSE(same_bits(start, 0, read(on_device), 0));
+  CHECK_FALSE(same_bits(read(on_device), 0, read(on_device), 1) == TestType::has_rods);
+  CHECK(same_everywhere(in_blocks, on_device));
+  CHECK(same_everywhere(in_blocks, other));
+}
+
+TEST_CASE("needle, thread and tissue have the same bits in blocks' memory and in the device's",
+          "[cuda][tiled]") {
+  auto const c = config();
+  auto in_blocks = device_run(1, resident), on_device = device_run(1, tiled);
+  drive(in_blocks, c, steps_to_tissue, 2);
+  drive(on_device, c, steps_to_tissue, 2);
+  REQUIRE(norm(read(on_device).get<needle::Force>(0, 0)) > 100.0f);
+  CHECK(same_everywhere(in_blocks, on_device));
+}
+
+// Four environments: one as it comes, one that is stiff and so takes more substeps, one that is lost in the middle of a
+// step, one that a mask leaves out.
+TEST_CASE("environments in tiled form do not feel each other", "[cuda][tiled][batch]") {
+  using Run = Simulation<Squeezed, Cuda, float>;
+  auto o = options<Squeezed>(4);
+  o.substeps = 0;
+  Run in_blocks(o, resident), on_device(o, tiled);
+  std::vector<unsigned char> const mask{1, 1, 1, 0};
+  for (Run* run : {&in_blocks, &on_device}) {
+    for (std::int64_t env = 0; env < 4; ++env) set_up(*run, env);
+    run->remember();
+    run->set<NeoHookean>(1, lame(4e6, 0.4));
+    run->state().set<bead::Velocity>(2, 4, {{1e30f, 0.0f, 0.0f}});
+    for (int s = 0; s < 2; ++s) run->step(step, mask);
+  }
+  auto const start = made<Run>(4, tiled);
+  CHECK(same_everywhere(in_blocks, on_device));
+  CHECK(same_bits(read(start), 3, read(on_device), 3));
+  auto const& state = read(on_device);
+  CHECK(state.get<environment::Substeps>(1) > state.get<environment::Substeps>(0));
+  CHECK(has(on_device.status(2), Fault::not_finite));
+  CHECK(state.get<environment::Step>(2) > 0);
+  CHECK(state.get<environment::Step>(2) < state.get<environment::Substeps>(2));
+
+  // Nothing of the lost one is left in its grid.
+  for (Run* run : {&in_blocks, &on_device}) {
+    run->reset(mask);
+    run->step(step);
+  }
+  CHECK(on_device.status(2) == 0);
+  CHECK(same_everywhere(in_blocks, on_device));
+}
+
+TEMPLATE_TEST_CASE("a grid that no block holds moves on a device as it does on the host",
+                   "[cuda][tiled]", Alone, Squeezed) {
+  auto host = in_large_grid<Simulation<TestType, Serial, float>>();
+  auto device = in_large_grid<Simulation<TestType, Cuda, float>>();
+  CHECK(device.execution().find("tiled: the grid of an environment takes 7") == 0);
+  int const steps = 3;
+  for (int s = 0; s < steps; ++s) host.step(step), device.step(step);
+  double const v = rounding<TestType>(steps);
+  CHECK(difference<particle::Velocity>(read(device), read(host)) < v);
+  CHECK(difference<particle::Position>(read(device), read(host)) < v * steps * step);
+  if constexpr (TestType::has_rods) CHECK(difference<bead::Velocity>(read(device), read(host)) < v);
+  for (std::int64_t env : {0, 1}) CHECK(device.status(env) == host.status(env));
+}
+
+TEST_CASE("a step in tiled form is a row of launches and takes no memory",
+          "[cuda][tiled][resources]") {
+  auto run = made<Simulation<Alone, Cuda, float>>(2, tiled);
+  run.step(step);
+  int const launches = emulated::launches, allocations = emulated::allocations;
+  int const waits = emulated::waits;
+  for (int s = 0; s < 2; ++s) run.step_where(step, nullptr);
+  CHECK(emulated::launches == launches + 2 * (5 + 3 * substeps));
+  CHECK(emulated::allocations == allocations);
+  CHECK(emulated::waits == waits);
+}
+
+TEST_CASE("the form of execution follows from the device, unless it is asked for",
+          "[cuda][tiled][refusal]") {
+  using Run = Simulation<Alone, Cuda, float>;
+  auto const small = options<Alone>(2);
+  CHECK(Run(small).execution().find("resident: ") == 0);
+  CHECK(Run(small, tiled).execution().find("tiled, as asked for: ") == 0);
+  emulated::shared_bytes_per_block = 65536;  // as on sm_75
+  CHECK(Run(small).execution().find("tiled: ") == 0);
+  int const allocations = emulated::allocations;
+  CHECK(refusal(small, resident).find("65536 of shared memory") != std::string::npos);
+  emulated::shared_bytes_per_block = 232448;
+  CHECK(refusal(large<Alone>(), resident).find("or tiled execution") != std::string::npos);
+  auto vast = small;
+  for (int& n : vast.nodes) n = 1024;
+  CHECK(refusal(vast, {}).find("1073741824 nodes") != std::string::npos);
+  // States and grids are asked for at once: more than there is for all of them takes nothing.
+  emulated::free_bytes = 2 * 32 * 28 * 28 * 28;
+  CHECK(refusal(large<Alone>(), {}).find("MiB needed") != std::string::npos);
+  emulated::free_bytes = std::size_t{1} << 34;
+  CHECK(emulated::allocations == allocations);
+}
