@@ -14,7 +14,7 @@ OnDevice::Store const& read(OnDevice const& run) { return run.state(); }
 // of a particle holds about 27 roundings of up to half a count, and counts for as much as the particle does in it;
 // five standard deviations.
 double rounding(int substeps, double dx, double dt) {
-  double const of_one = std::sqrt(27.0 * 27.0 / 12.0) / double(cuda::FixedPoint::scale);
+  double const of_one = std::sqrt(27.0 * 27.0 / 12.0) / double(cuda::FixedPoint<float>::scale);
   return 5.0 * of_one * std::sqrt(double(substeps)) * dx / dt;
 }
 

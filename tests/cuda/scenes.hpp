@@ -109,7 +109,7 @@ template <class Run> Run made(std::int64_t environments, auto... where) {
 // As in resident_suturing.cpp: five standard deviations of fixed point, for stencils of 27 or 64 nodes.
 template <class Scene> double rounding(int steps) {
   double const nodes = nodes_per_point<typename Scene::Body::Shape>;
-  return 5.0 * nodes / std::sqrt(12.0) / double(cuda::FixedPoint::scale) *
+  return 5.0 * nodes / std::sqrt(12.0) / double(cuda::FixedPoint<float>::scale) *
          std::sqrt(double(substeps * steps)) * dx * substeps / step;
 }
 

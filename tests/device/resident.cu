@@ -105,8 +105,8 @@ void check(bool ok, char const* scene, char const* what, double value = 0) {
 
 // Five standard deviations of what fixed point leaves in a velocity: tests/cuda/resident_suturing.cpp.
 double rounding() {
-  return 5.0 * std::sqrt(27.0 * 27.0 / 12.0 * substeps) / double(cuda::FixedPoint::scale) * dx *
-         substeps / step;
+  return 5.0 * std::sqrt(27.0 * 27.0 / 12.0 * substeps) / double(cuda::FixedPoint<float>::scale) *
+         dx * substeps / step;
 }
 
 template <class Scene> void compare(char const* name) {

@@ -33,7 +33,7 @@ struct DeviceArray {
   bool is_integer;
 };
 
-// Limits: float; no FLIP, no linear splines.
+// Limits: no FLIP, no linear splines; double runs tiled.
 template <class Scene, class Backend, class T> class Simulation;
 template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private RunState<Scene_, T> {
   using Base = RunState<Scene_, T>;

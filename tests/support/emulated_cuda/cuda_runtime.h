@@ -194,10 +194,17 @@ inline int __float2int_rn(float a) {
   if (a <= -2147483648.0f) return -2147483647 - 1;
   return static_cast<int>(std::nearbyintf(a));
 }
+inline long long __double_as_longlong(double a) { return std::bit_cast<long long>(a); }
+inline long long __double2ll_rn(double a) {
+  if (!(a == a)) return static_cast<long long>(1ull << 63);
+  if (a >= 9223372036854775808.0) return 9223372036854775807;
+  if (a <= -9223372036854775808.0) return static_cast<long long>(1ull << 63);
+  return static_cast<long long>(std::nearbyint(a));
+}
 template <class T> T atomicAdd(T* to, T value) { return std::exchange(*to, static_cast<T>(*to + value)); }
 inline unsigned atomicOr(unsigned* to, unsigned value) { return std::exchange(*to, *to | value); }
-inline int atomicMax(int* to, int value) { return std::exchange(*to, value > *to ? value : *to); }
-inline int atomicMin(int* to, int value) { return std::exchange(*to, value < *to ? value : *to); }
+template <class T> T atomicMax(T* to, T value) { return std::exchange(*to, value > *to ? value : *to); }
+template <class T> T atomicMin(T* to, T value) { return std::exchange(*to, value < *to ? value : *to); }
 inline int atomicCAS(int* to, int expected, int value) {
   return std::exchange(*to, *to == expected ? value : *to);
 }

@@ -1,7 +1,7 @@
 // The grid of one environment, in the shared memory of a thread block or in the memory of the device.
 //
-// Sums are 32-bit fixed point: shared float atomics are compare-and-swap loops on sm_90, and their order is not
-// repeatable, while integers may be added in any order.
+// Sums are fixed point, of 32 bits for float and 64 for double: shared float atomics are compare-and-swap loops on sm_90,
+// and their order is not repeatable, while integers may be added in any order.
 #pragma once
 
 #include <mpmpbd/backend/cuda/team.cuh>
@@ -11,37 +11,59 @@
 
 namespace mpmpbd::cuda {
 
+// Four numbers that are loaded at once, and the integers that sums of T are kept in.
+template <class T> struct NumbersOf;
+template <> struct NumbersOf<float> {
+  using Four = float4;
+  using Integer = int;
+  using Unsigned = unsigned;
+  static constexpr float scale = 4194304.0f;  // 2^22
+  __device__ __forceinline__ static Integer nearest(float a) { return __float2int_rn(a); }
+};
+template <> struct NumbersOf<double> {
+  struct alignas(32) Four {
+    double x, y, z, w;
+  };
+  using Integer = long long;
+  using Unsigned = unsigned long long;
+  static constexpr double scale = 17592186044416.0;  // 2^44
+  __device__ __forceinline__ static Integer nearest(double a) { return __double2ll_rn(a); }
+};
+
 // Units of the sums: mass in heaviest particles, momentum in that mass times a cell per substep.
-struct FixedPoint {
-  static constexpr float scale = 4194304.0f;          // 2^22
-  static constexpr float most_masses = 500.0f;        // at a node; 511 fit
-  static constexpr float greatest_contrast = 100.0f;  // of masses in an environment
+template <class T> struct FixedPoint {
+  static constexpr T scale = NumbersOf<T>::scale;
+  static constexpr T most_masses = 500;        // at a node; 511 fit
+  static constexpr T greatest_contrast = 100;  // of masses in an environment
 
-  float mass;              // counts per kg
-  float momentum;          // counts per kg m/s
-  float inverse_mass;      // kg per count
-  float inverse_momentum;  // kg m/s per count
+  T mass;              // counts per kg
+  T momentum;          // counts per kg m/s
+  T inverse_mass;      // kg per count
+  T inverse_momentum;  // kg m/s per count
 
-  MPMPBD_HD static FixedPoint make(float heaviest, float dx, float dt) {
-    float const p = heaviest * dx / dt;
+  MPMPBD_HD static FixedPoint make(T heaviest, T dx, T dt) {
+    T const p = heaviest * dx / dt;
     return {scale / heaviest, scale / p, heaviest / scale, p / scale};
   }
 };
 
-// 16 B of sums and 16 B of velocity per node.
-struct Arena {
-  float4* velocity;  // w: mass
-  int* sums;         // four planes: momentum x, y, z, mass
-  int count;         // nodes
+// Float: 16 B of sums and 16 B of velocity per node.
+template <class T> struct Arena {
+  using Four = typename NumbersOf<T>::Four;
+  using Integer = typename NumbersOf<T>::Integer;
+  Four* velocity;  // w: mass
+  Integer* sums;   // four planes: momentum x, y, z, mass
+  int count;       // nodes
 
-  static constexpr int bytes_per_node = sizeof(float4) + 4 * sizeof(int);
+  static constexpr int bytes_per_node = sizeof(Four) + 4 * sizeof(Integer);
   MPMPBD_HD static constexpr std::int64_t bytes(std::int64_t nodes) {
     return bytes_per_node * nodes;
   }
 
   __device__ static Arena at(char* memory, int count) {
-    return {reinterpret_cast<float4*>(memory),
-            reinterpret_cast<int*>(memory + sizeof(float4) * static_cast<unsigned>(count)), count};
+    return {reinterpret_cast<Four*>(memory),
+            reinterpret_cast<Integer*>(memory + sizeof(Four) * static_cast<unsigned>(count)),
+            count};
   }
   __device__ void clear_sums() const {
     Run{0, 4 * count}.each([&](int i) { sums[i] = 0; });
@@ -49,24 +71,33 @@ struct Arena {
 };
 
 // A pointer to each plane: an address is then one addition to what the stencil knows.
-struct FixedRow {
-  int *x, *y, *z, *mass;
+template <class T> struct FixedRow {
+  using Integer = typename NumbersOf<T>::Integer;
+  using Unsigned = typename NumbersOf<T>::Unsigned;
+  Integer *x, *y, *z, *mass;
   __device__ __forceinline__ FixedRow operator+(int n) const {
     return {x + n, y + n, z + n, mass + n};
   }
-  __device__ __forceinline__ void add(int n, Quad<float> const& counts) const {
-    atomicAdd(x + n, __float2int_rn(counts[0]));
-    atomicAdd(y + n, __float2int_rn(counts[1]));
-    atomicAdd(z + n, __float2int_rn(counts[2]));
-    atomicAdd(mass + n, __float2int_rn(counts[3]));
+  __device__ __forceinline__ void add(int n, Quad<T> const& counts) const {
+    add_to(x + n, counts[0]);
+    add_to(y + n, counts[1]);
+    add_to(z + n, counts[2]);
+    add_to(mass + n, counts[3]);
+  }
+
+ private:
+  // Unsigned, because there is no other atomic sum of 64 bits; the bits are the same.
+  __device__ __forceinline__ static void add_to(Integer* sum, T counts) {
+    atomicAdd(reinterpret_cast<Unsigned*>(sum),
+              static_cast<Unsigned>(NumbersOf<T>::nearest(counts)));
   }
 };
-struct SumsOfArena {
-  Arena arena;
-  Lattice<float> lattice;
-  FixedPoint unit;
+template <class T> struct SumsOfArena {
+  Arena<T> arena;
+  Lattice<T> lattice;
+  FixedPoint<T> unit;
   // Momentum at a cell per substep counts as much as mass: with no more than most_masses at a node the sums hold it.
-  __device__ __forceinline__ Quad<float> in_counts(Quad<float> const& q) const {
+  __device__ __forceinline__ Quad<T> in_counts(Quad<T> const& q) const {
     return quad(q[0] * unit.momentum, q[1] * unit.momentum, q[2] * unit.momentum, q[3] * unit.mass);
   }
   template <class Change>
@@ -74,55 +105,56 @@ struct SumsOfArena {
     return unit.momentum * momentum;
   }
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
-    int* const first = arena.sums + static_cast<int>(lattice.index(at[0], at[1], at[2]));
+    auto* const first = arena.sums + static_cast<int>(lattice.index(at[0], at[1], at[2]));
     int const plane = arena.count;
-    return Window{FixedRow{first, first + plane, first + 2 * plane, first + 3 * plane},
+    return Window{FixedRow<T>{first, first + plane, first + 2 * plane, first + 3 * plane},
                   lattice.nodes[0], lattice.nodes[0] * lattice.nodes[1]};
   }
 };
 
-struct VelocityRow {
-  float4 const* first;
+template <class T> struct VelocityRow {
+  typename NumbersOf<T>::Four const* first;
   __device__ __forceinline__ VelocityRow operator+(int n) const { return {first + n}; }
-  __device__ __forceinline__ Quad<float> operator[](int n) const {
-    float4 const v = first[n];
-    return quad<float>(v.x, v.y, v.z, v.w);
+  __device__ __forceinline__ Quad<T> operator[](int n) const {
+    auto const v = first[n];
+    return quad<T>(v.x, v.y, v.z, v.w);
   }
 };
-struct VelocitiesOfArena {
-  Arena arena;
-  Lattice<float> lattice;
+template <class T> struct VelocitiesOfArena {
+  Arena<T> arena;
+  Lattice<T> lattice;
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
     int const first = static_cast<int>(lattice.index(at[0], at[1], at[2]));
-    return Window{VelocityRow{arena.velocity + first}, lattice.nodes[0],
+    return Window{VelocityRow<T>{arena.velocity + first}, lattice.nodes[0],
                   lattice.nodes[0] * lattice.nodes[1]};
   }
 };
 
 // Velocities of a run of nodes from their sums, then the scene's forces and boundaries; clears the sums. Returns the
 // faults met.
-template <class Stage, class Ctx>
-__device__ __forceinline__ std::uint32_t move_nodes(Arena const& arena, Run const& nodes,
-                                                    Ctx const& context, FixedPoint const& unit) {
+template <class Stage, class T, class Ctx>
+__device__ __forceinline__ std::uint32_t move_nodes(Arena<T> const& arena, Run const& nodes,
+                                                    Ctx const& context, FixedPoint<T> const& unit) {
+  using Unsigned = typename NumbersOf<T>::Unsigned;
   using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Nodes>;
-  constexpr auto most = static_cast<unsigned>(FixedPoint::most_masses * FixedPoint::scale);
+  constexpr auto most = static_cast<Unsigned>(FixedPoint<T>::most_masses * FixedPoint<T>::scale);
   auto const& lattice = context.lattice;
   bool crowded = false;
   nodes.each([&](int i) {
-    int* const sum = arena.sums + i;
+    auto* const sum = arena.sums + i;
     int const plane = arena.count;
-    auto const mass = static_cast<unsigned>(sum[3 * plane]);
+    auto const mass = static_cast<Unsigned>(sum[3 * plane]);
     crowded = crowded || mass > most;
-    Local<float, Used> n;
-    n[node::Momentum{}] = {{static_cast<float>(sum[0]) * unit.inverse_momentum,
-                            static_cast<float>(sum[plane]) * unit.inverse_momentum,
-                            static_cast<float>(sum[2 * plane]) * unit.inverse_momentum}};
-    n[node::Mass{}] = static_cast<float>(mass) * unit.inverse_mass;
+    Local<T, Used> n;
+    n[node::Momentum{}] = {{static_cast<T>(sum[0]) * unit.inverse_momentum,
+                            static_cast<T>(sum[plane]) * unit.inverse_momentum,
+                            static_cast<T>(sum[2 * plane]) * unit.inverse_momentum}};
+    n[node::Mass{}] = static_cast<T>(mass) * unit.inverse_mass;
     int const x = i % lattice.nodes[0], yz = i / lattice.nodes[0];
     n[node::Position{}] = lattice.position(x, yz % lattice.nodes[1], yz / lattice.nodes[1]);
     Stage::run(n, context);
-    Vec3<float> const v = n[node::Velocity{}];
-    arena.velocity[i] = make_float4(v[0], v[1], v[2], n[node::Mass{}]);
+    Vec3<T> const v = n[node::Velocity{}];
+    arena.velocity[i] = {v[0], v[1], v[2], n[node::Mass{}]};
     for (int c = 0; c < 4; ++c) sum[c * plane] = 0;
   });
   return crowded ? static_cast<std::uint32_t>(Fault::overflow) : 0u;

@@ -26,12 +26,12 @@ template <class... Ss> struct TogetherOf<TypeList<Ss...>> {
 };
 }  // namespace detail
 
-template <class Scene> struct Couple {
+template <class Scene, class T> struct Couple {
   using Shape = typename Scene::Body::Shape;
   using Together = detail::TogetherOf<typename Scene::Substep::Stages>;
   using Stages = typename Together::type;
-  using Near = NearCells<Shape>;
-  using Ctx = typename StepRecord<Scene>::Ctx;
+  using Near = NearCells<T, Shape>;
+  using Ctx = typename StepRecord<Scene, T>::Ctx;
   using Nodes_ = NodesOfArena<MoveNodes<typename Scene::Body, typename Scene::Effects>, Ctx, Shape>;
   static constexpr int team_size = 128;
   // Whether other threads of the block may go on meanwhile.
@@ -41,9 +41,9 @@ template <class Scene> struct Couple {
 
   // All stages of substep s; where others wait, they are let go as early as can be. Returns the faults met.
   // A function of its own, which both forms of execution call.
-  __device__ __noinline__ static std::uint32_t run(Launch<Scene> const& launch, std::int64_t env,
-                                                   Arena arena, unsigned* near,
-                                                   StepRecord<Scene> const& record, int s,
+  __device__ __noinline__ static std::uint32_t run(Launch<Scene, T> const& launch, std::int64_t env,
+                                                   Arena<T> arena, unsigned* near,
+                                                   StepRecord<Scene, T> const& record, int s,
                                                    bool others_wait) {
     Ctx const context = record.at(s);
     bool announced = !others_wait;

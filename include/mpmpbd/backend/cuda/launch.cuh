@@ -10,9 +10,9 @@
 
 namespace mpmpbd::cuda {
 
-template <class Scene> struct Launch {
-  TablesOf<Scene, float> tables;
-  Lattice<float> lattice;
+template <class Scene, class T> struct Launch {
+  TablesOf<Scene, T> tables;
+  Lattice<T> lattice;
   double h;  // length of the step [s]
   SubstepChoice choice;
   unsigned char const* mask;  // null: every environment moves, else those where it is not 0
@@ -40,14 +40,20 @@ __device__ inline void raise(float& to, float value) {  // neither is negative
 __device__ inline void lower(float& to, float value) {
   atomicMin(reinterpret_cast<int*>(&to), __float_as_int(value));
 }
+__device__ inline void raise(double& to, double value) {
+  atomicMax(reinterpret_cast<long long*>(&to), __double_as_longlong(value));
+}
+__device__ inline void lower(double& to, double value) {
+  atomicMin(reinterpret_cast<long long*>(&to), __double_as_longlong(value));
+}
 }  // namespace detail
 
 // What is found in the particles of an environment before they move. None of it depends on their order.
-struct Findings {
-  StepBounds<float> bounds;
-  float heaviest = 0.0f, lightest = infinity<float>;  // particle [kg]
-  unsigned held = 0;                                  // fault of those beyond the border
-  unsigned faults = 0;                                // of their state
+template <class T> struct Findings {
+  StepBounds<T> bounds;
+  T heaviest = T(0), lightest = infinity<T>;  // particle [kg]
+  unsigned held = 0;                          // fault of those beyond the border
+  unsigned faults = 0;                        // of their state
 
   // Threads may do so at the same time.
   __device__ void include(Findings const& f) {
@@ -63,19 +69,19 @@ struct Findings {
 };
 
 // What this thread finds in a run of slots; particles beyond the border are put back to it.
-template <class Scene, class Ctx>
-__device__ Findings look_at_particles(Launch<Scene> const& launch, std::int64_t env,
-                                      Run const& slots, Ctx const& context) {
+template <class Scene, class T, class Ctx>
+__device__ Findings<T> look_at_particles(Launch<Scene, T> const& launch, std::int64_t env,
+                                         Run const& slots, Ctx const& context) {
   using Shape = typename Scene::Body::Shape;
   using Bounds = ParticleBounds<Scene>;
   using Reads = union_t<typename Bounds::Reads, Fields<particle::Mass, particle::Position>>;
   auto const& view = launch.particles().view;
-  Room<float> room[3];
-  for (int a = 0; a < 3; ++a) room[a] = Room<float>::template on_axis<Shape>(launch.lattice, a);
-  Findings all;
+  Room<T> room[3];
+  for (int a = 0; a < 3; ++a) room[a] = Room<T>::template on_axis<Shape>(launch.lattice, a);
+  Findings<T> all;
   slots.each([&](int slot) {
     std::int64_t const index = launch.first_particle(env) + slot;
-    Local<float, union_t<typename Bounds::Used, Fields<particle::Mass, particle::Position>>> p;
+    Local<T, union_t<typename Bounds::Used, Fields<particle::Mass, particle::Position>>> p;
     p.load(view, index, Reads{});
     bool moved = false;
     for (int a = 0; a < 3; ++a) moved = room[a].hold(p[particle::Position{}][a]) || moved;
@@ -91,15 +97,15 @@ __device__ Findings look_at_particles(Launch<Scene> const& launch, std::int64_t 
 }
 
 // The step of an environment. One thread opens, chooses and closes; all may look and note.
-template <class Scene> struct StepRecord {
-  using Ctx = Context<float, typename Scene::Policies>;
+template <class Scene, class T> struct StepRecord {
+  using Ctx = Context<T, typename Scene::Policies>;
   Ctx context;
-  StepClock<float> clock;
-  Findings found;
+  StepClock<T> clock;
+  Findings<T> found;
   unsigned met[2];  // faults, by substeps: even, odd
   bool frozen;
 
-  template <class Env> __device__ void open(Env const& env, Lattice<float> const& lattice) {
+  template <class Env> __device__ void open(Env const& env, Lattice<T> const& lattice) {
     context = load_context<typename Scene::Policies>(env, lattice);
     found = {};
     met[0] = met[1] = 0;
@@ -107,11 +113,11 @@ template <class Scene> struct StepRecord {
   }
   // The substeps of the step, from what was found.
   template <class Control>
-  __device__ void choose(Control const& control, Launch<Scene> const& launch) {
+  __device__ void choose(Control const& control, Launch<Scene, T> const& launch) {
     found.bounds.speed = max(found.bounds.speed, needle_speed<Scene>(control.env, context));
     control.meet(found.held | lost_bodies(control.env));
     control.meet(found.faults);
-    if (found.heaviest > FixedPoint::greatest_contrast * found.lightest)
+    if (found.heaviest > FixedPoint<T>::greatest_contrast * found.lightest)
       control.meet(static_cast<std::uint32_t>(Fault::overflow));
     auto const limit = step_limit<typename Scene::Body>(found.bounds, launch.lattice.dx);
     clock = control.begin(limit, launch.h, launch.choice);
@@ -127,11 +133,11 @@ template <class Scene> struct StepRecord {
     frozen = control.frozen();
   }
 
-  __device__ FixedPoint fixed_point() const {
-    return FixedPoint::make(found.heaviest, context.lattice.dx, clock.dt);
+  __device__ FixedPoint<T> fixed_point() const {
+    return FixedPoint<T>::make(found.heaviest, context.lattice.dx, clock.dt);
   }
   __device__ Ctx at(int s) const { return at(context, clock, s); }
-  __device__ static Ctx at(Ctx context, StepClock<float> const& clock, int s) {
+  __device__ static Ctx at(Ctx context, StepClock<T> const& clock, int s) {
     context.tick = clock.tick(s);
     return context;
   }

@@ -7,9 +7,9 @@
 namespace mpmpbd::cuda {
 
 // A bit per stencil, by the index of its first node.
-template <class Shape> struct NearCells {
+template <class T, class Shape> struct NearCells {
   unsigned* words;
-  Lattice<float> lattice;
+  Lattice<T> lattice;
 
   MPMPBD_HD static constexpr std::int64_t bytes(std::int64_t nodes) {
     return (nodes + 31) / 32 * 4;
@@ -20,8 +20,8 @@ template <class Shape> struct NearCells {
     for (int i = static_cast<int>(threadIdx.x); i < n; i += static_cast<int>(blockDim.x))
       words[i] = 0;
   }
-  __device__ bool has(Vec3<float> const& x) const {
-    auto const s = Stencil<float, Shape>::at(lattice, x);
+  __device__ bool has(Vec3<T> const& x) const {
+    auto const s = Stencil<T, Shape>::at(lattice, x);
     int const i = static_cast<int>(lattice.index(s.base[0], s.base[1], s.base[2]));
     return (words[i >> 5] >> (i & 31)) & 1u;
   }
@@ -46,22 +46,23 @@ template <class Shape> struct NearCells {
 
 // Nodes as a coupling sees them: `team` works on it, the rest of the block waits until it knows which nodes.
 template <class Move, class Ctx, class Shape> struct NodesOfArena {
-  Arena arena;
+  using T = typename Ctx::Scalar;
+  Arena<T> arena;
   Ctx const& context;
   void* scratch;
   int* slot_of_node;
-  NearCells<Shape> near;
+  NearCells<T, Shape> near;
   bool& announced;
 
-  MPMPBD_HD float mass(int i) const { return arena.velocity[i].w; }
-  MPMPBD_HD Vec3<float> velocity(int i) const {
-    float4 const v = arena.velocity[i];
+  MPMPBD_HD T mass(int i) const { return arena.velocity[i].w; }
+  MPMPBD_HD Vec3<T> velocity(int i) const {
+    auto const v = arena.velocity[i];
     return {{v.x, v.y, v.z}};
   }
-  MPMPBD_HD void set_velocity(int i, Vec3<float> const& v) const {
+  MPMPBD_HD void set_velocity(int i, Vec3<T> const& v) const {
     arena.velocity[i] = {v[0], v[1], v[2], mass(i)};
   }
-  MPMPBD_HD Vec3<float> inverse_mass(int i) const {
+  MPMPBD_HD Vec3<T> inverse_mass(int i) const {
     auto const& lattice = context.lattice;
     int const row = i / lattice.nodes[0];
     auto const x =
@@ -70,7 +71,7 @@ template <class Move, class Ctx, class Shape> struct NodesOfArena {
   }
 
   // From here on the coupling reads no particle and changes no nodes but these.
-  template <class Team_, class T>
+  template <class Team_>
   __device__ void announce(Team_ const& team, Incidence<T> const& touched) const {
     if (announced) return;
     team.each(touched.counters[0], [&](int i) { near.mark(touched.nodes[i].index); });

@@ -33,15 +33,15 @@ struct Met {
   unsigned now = 0, next = 0;
 };
 
-template <class Scene> struct ParticlePasses {
+template <class Scene, class T> struct ParticlePasses {
   using Body = typename Scene::Body;
   using P2G = ParticlesToGrid<Body, typename Scene::Effects>;
   using G2P = GridToParticles<Body, typename Scene::Effects>;
-  using Ctx = typename StepRecord<Scene>::Ctx;
+  using Ctx = typename StepRecord<Scene, T>::Ctx;
 
-  Launch<Scene> const& launch;
-  Arena arena;
-  FixedPoint unit;
+  Launch<Scene, T> const& launch;
+  Arena<T> arena;
+  FixedPoint<T> unit;
 
   __device__ __forceinline__ void scatter(std::int64_t index, Ctx const& next, Met& met) const {
     visit<Single<P2G>>(index, [&](auto& p) { met.next |= P2G::run(p, sums(), next); });
@@ -58,14 +58,16 @@ template <class Scene> struct ParticlePasses {
   }
 
  private:
-  __device__ __forceinline__ auto sums() const { return SumsOfArena{arena, launch.lattice, unit}; }
+  __device__ __forceinline__ auto sums() const {
+    return SumsOfArena<T>{arena, launch.lattice, unit};
+  }
   __device__ __forceinline__ auto velocities() const {
-    return VelocitiesOfArena{arena, launch.lattice};
+    return VelocitiesOfArena<T>{arena, launch.lattice};
   }
   template <class Pass, class Function>
   __device__ __forceinline__ void visit(std::int64_t index, Function const& f) const {
     auto const& view = launch.particles().view;
-    Local<float, typename Pass::Used> p;
+    Local<T, typename Pass::Used> p;
     p.load(view, index, typename Pass::Loads{});
     f(p);
     p.store(view, index, typename Pass::Keeps{});

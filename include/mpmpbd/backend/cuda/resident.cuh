@@ -5,7 +5,7 @@
 // which nodes it may change, the others take the particles that see none of them. Sums are integers, so bits do
 // not depend on who came first.
 //
-// Limits: float; no FLIP (its grid would need twice the memory).
+// Limits: float (shared memory adds 64-bit integers in a loop); no FLIP (its grid would need twice the memory).
 #pragma once
 
 #include <mpmpbd/backend/cuda/couple.cuh>
@@ -14,7 +14,7 @@
 namespace mpmpbd::cuda {
 
 // What the threads of a block share beside the grid.
-template <class Scene> struct Shared : StepRecord<Scene> {
+template <class Scene> struct Shared : StepRecord<Scene, float> {
   int taken;    // chunks of particles that have been
   int waiting;  // particles that wait for the coupling
 };
@@ -23,23 +23,22 @@ template <class Scene> struct Shared : StepRecord<Scene> {
 template <class Scene> class ResidentBlock {
   using In = typename Scene::In;
   using Move = MoveNodes<typename In::Body, typename In::Effects>;
-  using Coupling = Couple<Scene>;
+  using Coupling = Couple<Scene, float>;
   using Near = typename Coupling::Near;
-  using Ctx = typename StepRecord<Scene>::Ctx;
+  using Ctx = typename StepRecord<Scene, float>::Ctx;
 
  public:
-  static constexpr int fewest_threads = Coupling::team_size;
-
   MPMPBD_HD static constexpr std::int64_t shared_bytes(std::int64_t nodes) {
-    return Arena::bytes(nodes) + Near::bytes(nodes) + 16 +
+    return Arena<float>::bytes(nodes) + Near::bytes(nodes) + 16 +
            static_cast<std::int64_t>(sizeof(Shared<Scene>));
   }
 
-  __device__ ResidentBlock(Launch<Scene> const& launch, char* memory)
+  __device__ ResidentBlock(Launch<Scene, float> const& launch, char* memory)
       : launch_(launch),
         memory_(memory),
-        arena_(Arena::at(memory, static_cast<int>(launch.lattice.count()))),
-        near_{reinterpret_cast<unsigned*>(memory + Arena::bytes(arena_.count)), launch.lattice},
+        arena_(Arena<float>::at(memory, static_cast<int>(launch.lattice.count()))),
+        near_{reinterpret_cast<unsigned*>(memory + Arena<float>::bytes(arena_.count)),
+              launch.lattice},
         shared_(shared_part(memory, arena_.count)),
         live_(launch.live_particles(blockIdx.x)) {}
 
@@ -55,8 +54,8 @@ template <class Scene> class ResidentBlock {
       return;
     }
     Ctx const& context = shared_.context;
-    auto const at = [&](int s) { return StepRecord<Scene>::at(context, clock, s); };
-    ParticlePasses<Scene> const passes{launch_, arena_, shared_.fixed_point()};
+    auto const at = [&](int s) { return StepRecord<Scene, float>::at(context, clock, s); };
+    ParticlePasses<Scene, float> const passes{launch_, arena_, shared_.fixed_point()};
     arena_.clear_sums();
     __syncthreads();
     scatter(passes, at(0));
@@ -83,7 +82,7 @@ template <class Scene> class ResidentBlock {
 
  private:
   __device__ static Shared<Scene>& shared_part(char* memory, std::int64_t nodes) {
-    auto const used = Arena::bytes(nodes) + Near::bytes(nodes);
+    auto const used = Arena<float>::bytes(nodes) + Near::bytes(nodes);
     return *reinterpret_cast<Shared<Scene>*>(memory + (used + 15) / 16 * 16);
   }
   __device__ std::int64_t first() const { return launch_.first_particle(blockIdx.x); }
@@ -101,7 +100,7 @@ template <class Scene> class ResidentBlock {
     if (threadIdx.x == 0) shared_.close(control, s);
   }
 
-  __device__ void scatter(ParticlePasses<Scene> const& passes, Ctx const& context) {
+  __device__ void scatter(ParticlePasses<Scene, float> const& passes, Ctx const& context) {
     Met met;
     Run{0, live_}.each([&](int slot) { passes.scatter(first() + slot, context, met); });
     if (threadIdx.x == 0) shared_.taken = shared_.waiting = 0;
@@ -129,10 +128,10 @@ template <class Scene> class ResidentBlock {
     shared_.note(met.next, s + 1);
   }
   // A function of its own, told little: what its call takes must not crowd the particles' registers.
-  __device__ __noinline__ static std::uint32_t couple(Launch<Scene> const& launch, char* memory,
-                                                      int s) {
-    auto const arena = Arena::at(memory, static_cast<int>(launch.lattice.count()));
-    auto* const near = reinterpret_cast<unsigned*>(memory + Arena::bytes(arena.count));
+  __device__ __noinline__ static std::uint32_t couple(Launch<Scene, float> const& launch,
+                                                      char* memory, int s) {
+    auto const arena = Arena<float>::at(memory, static_cast<int>(launch.lattice.count()));
+    auto* const near = reinterpret_cast<unsigned*>(memory + Arena<float>::bytes(arena.count));
     return Coupling::run(launch, blockIdx.x, arena, near, shared_part(memory, arena.count), s,
                          Coupling::overlaps);
   }
@@ -175,9 +174,9 @@ template <class Scene> class ResidentBlock {
     return there && !waits ? slot : later;
   }
 
-  Launch<Scene> const& launch_;
+  Launch<Scene, float> const& launch_;
   char* memory_;
-  Arena arena_;
+  Arena<float> arena_;
   Near near_;
   Shared<Scene>& shared_;
   int live_;
@@ -185,7 +184,8 @@ template <class Scene> class ResidentBlock {
 
 // One step of every environment, a block each. 512 threads leave 128 registers: no spills in the loop.
 template <class Scene, int threads>
-__global__ void __launch_bounds__(threads, 1) step(__grid_constant__ Launch<Scene> const launch) {
+__global__ void __launch_bounds__(threads, 1)
+    step(__grid_constant__ Launch<Scene, float> const launch) {
   alignas(16) extern __shared__ char dynamic_shared_memory[];
   ResidentBlock<Scene>(launch, dynamic_shared_memory).step();
 }

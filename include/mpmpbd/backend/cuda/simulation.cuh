@@ -13,8 +13,8 @@ namespace mpmpbd {
 namespace cuda {
 
 // Puts environments back to a remembered state; a block each.
-template <class Scene>
-__global__ void reset(TablesOf<Scene, float> const tables, TablesOf<Scene, float> const initial,
+template <class Scene, class T>
+__global__ void reset(TablesOf<Scene, T> const tables, TablesOf<Scene, T> const initial,
                       unsigned char const* mask) {
   std::int64_t const env = blockIdx.x;
   if (mask != nullptr && mask[env] == 0) return;
@@ -60,9 +60,6 @@ template <class Store> struct Layout {
 }  // namespace cuda
 
 template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
-  static_assert(std::is_same_v<T, float>,
-                "mpmpbd Simulation<Scene, Cuda, T>: a device adds up in 32-bit fixed point, which "
-                "is made for float; take float");
   static_assert(
       Scene_::has_body,
       "mpmpbd Simulation<Scene, Cuda>: threads without tissue do not run on a device yet; take "
@@ -76,10 +73,12 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
       "mpmpbd Simulation<Scene, Cuda>: the stable step of linear splines hangs on who shares a "
       "node, which is not looked at on a device yet; take QuadraticBSpline or CubicBSpline");
   using Layout = cuda::Layout<Store>;
-  using Tables = cuda::TablesOf<Scene, float>;
+  using Tables = cuda::TablesOf<Scene, T>;
   using Block = cuda::ResidentBlock<Scene>;
-  static constexpr int most_threads = 512;
-  using Tiled = cuda::TiledSteps<Scene, most_threads>;
+  static constexpr int fewest_threads = cuda::Couple<Scene, T>::team_size, most_threads = 512;
+  // Shared memory adds 32-bit integers at once, those of 64 bits in a loop.
+  static constexpr bool may_be_resident = std::is_same_v<T, float>;
+  using Tiled = cuda::TiledSteps<Scene, T, most_threads>;
 
   Cuda where;
   cudaStream_t stream;
@@ -93,12 +92,10 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
       : where(where_),
         stream(static_cast<cudaStream_t>(where_.stream)),
         shared_bytes(Block::shared_bytes(run.lattice().count())) {
-    if (where.threads < Block::fewest_threads || where.threads > most_threads ||
-        where.threads % 32 != 0)
+    if (where.threads < fewest_threads || where.threads > most_threads || where.threads % 32 != 0)
       throw std::invalid_argument("mpmpbd Cuda: threads = " + std::to_string(where.threads) +
-                                  "; give a multiple of 32 from " +
-                                  std::to_string(Block::fewest_threads) + " to " +
-                                  std::to_string(most_threads));
+                                  "; give a multiple of 32 from " + std::to_string(fewest_threads) +
+                                  " to " + std::to_string(most_threads));
     if (run.options().strict)
       throw std::invalid_argument(
           "mpmpbd Cuda: strict = true; a device finds the stable limit inside the step and sets "
@@ -126,8 +123,10 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     take_memory(run);
   }
 
-  bool fits() const { return shared_bytes <= shared_limit; }
+  bool fits() const { return may_be_resident && shared_bytes <= shared_limit; }
   std::string execution() const {
+    if (!may_be_resident)
+      return "tiled: sums of double take 64 bits, which a device adds at once in its own memory only";
     std::string const takes = "the grid of an environment takes " + std::to_string(shared_bytes) +
                               " bytes of " + std::to_string(shared_limit) +
                               " of shared memory per block";
@@ -136,13 +135,18 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     return "tiled, as asked for: " + takes;
   }
   void prepare_resident() const {
-    if (!fits())
-      throw std::runtime_error("mpmpbd Cuda: " + execution() +
-                               "; use a grid of fewer nodes or larger cells, or tiled execution");
-    cuda::require(cudaFuncSetAttribute(cuda::step<Scene, most_threads>,
-                                       cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                       static_cast<int>(shared_bytes)),
-                  "reserving shared memory for a program of this architecture");
+    if constexpr (!may_be_resident) {
+      throw std::invalid_argument("mpmpbd Cuda: resident execution of double asked for; " +
+                                  execution() + ". Take float, or tiled execution");
+    } else {
+      if (!fits())
+        throw std::runtime_error("mpmpbd Cuda: " + execution() +
+                                 "; use a grid of fewer nodes or larger cells, or tiled execution");
+      cuda::require(cudaFuncSetAttribute(cuda::step<Scene, most_threads>,
+                                         cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                         static_cast<int>(shared_bytes)),
+                    "reserving shared memory for a program of this architecture");
+    }
   }
   void check_tiled(Base const& run) const {
     if (run.lattice().count() > Tiled::most_nodes)
@@ -246,23 +250,24 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   }
 
   void step(Base const& run, double h, unsigned char const* of) const {
-    cuda::Launch<Scene> const launch{tables(run.state(), now),
-                                     run.lattice(),
-                                     h,
-                                     run.options().substep_choice(),
-                                     of,
-                                     work.as(),
-                                     static_cast<std::int64_t>(work_stride),
-                                     work.as<int>(slots_at),
-                                     work.as<int>(waiting_at)};
-    if (resident)
-      cuda::start(stream, "a step", cuda::step<Scene, most_threads>, run.environments(),
-                  where.threads, static_cast<std::size_t>(shared_bytes), launch);
-    else
-      tiled.run(launch, where.threads, stream);
+    cuda::Launch<Scene, T> const launch{tables(run.state(), now),
+                                        run.lattice(),
+                                        h,
+                                        run.options().substep_choice(),
+                                        of,
+                                        work.as(),
+                                        static_cast<std::int64_t>(work_stride),
+                                        work.as<int>(slots_at),
+                                        work.as<int>(waiting_at)};
+    if constexpr (may_be_resident) {
+      if (resident)
+        return cuda::start(stream, "a step", cuda::step<Scene, most_threads>, run.environments(),
+                           where.threads, static_cast<std::size_t>(shared_bytes), launch);
+    }
+    tiled.run(launch, where.threads, stream);
   }
   void reset(Base const& run, unsigned char const* of) const {
-    cuda::start(stream, "a reset", cuda::reset<Scene>, run.environments(), 256, 0,
+    cuda::start(stream, "a reset", cuda::reset<Scene, T>, run.environments(), 256, 0,
                 tables(run.state(), now), tables(run.state(), initial), of);
   }
   unsigned char const* upload(std::span<unsigned char const> of) const {

@@ -8,7 +8,7 @@
 // particles: gather and scatter at once, in the last substep gather alone. An environment that does not move, is lost or
 // is done skips the rest. Sums, stages and the bookkeeping of a step are those of the resident form, so bits are too.
 //
-// Limits: float; no FLIP. Where environments choose their substeps, how many launches there are is read back once per step.
+// Limits: no FLIP. Where environments choose their substeps, how many launches there are is read back once per step.
 #pragma once
 
 #include <mpmpbd/backend/cuda/couple.cuh>
@@ -18,33 +18,33 @@
 namespace mpmpbd::cuda {
 
 // What one launch leaves to the next.
-template <class Scene> struct TiledRecord : StepRecord<Scene> {
-  FixedPoint unit;
+template <class Scene, class T> struct TiledRecord : StepRecord<Scene, T> {
+  FixedPoint<T> unit;
   bool moves;  // from open to close
 };
 
-template <class Scene> struct TiledLaunch {
-  Launch<Scene> step;
-  TiledRecord<Scene>* records;  // per environment
-  char* grids;                  // per environment; sums are zero between two steps
-  int* most_substeps;           // of any environment
+template <class Scene, class T> struct TiledLaunch {
+  Launch<Scene, T> step;
+  TiledRecord<Scene, T>* records;  // per environment
+  char* grids;                     // per environment; sums are zero between two steps
+  int* most_substeps;              // of any environment
 };
 
 // The environment of this block, and its place among the blocks of that environment.
-template <class Scene> struct TiledBlock {
-  using Record = TiledRecord<Scene>;
-  TiledLaunch<Scene> const& launch;
+template <class Scene, class T> struct TiledBlock {
+  using Record = TiledRecord<Scene, T>;
+  TiledLaunch<Scene, T> const& launch;
   std::int64_t env;
   int part;
 
-  __device__ static TiledBlock of(TiledLaunch<Scene> const& launch, int parts) {
+  __device__ static TiledBlock of(TiledLaunch<Scene, T> const& launch, int parts) {
     auto const block = static_cast<int>(blockIdx.x);
     return {launch, block / parts, block % parts};
   }
   __device__ Record& record() const { return launch.records[env]; }
-  __device__ Arena arena() const {
+  __device__ Arena<T> arena() const {
     auto const count = launch.step.lattice.count();
-    return Arena::at(launch.grids + env * Arena::bytes(count), static_cast<int>(count));
+    return Arena<T>::at(launch.grids + env * Arena<T>::bytes(count), static_cast<int>(count));
   }
   // As many of `count` items as the block has threads.
   __device__ Run items(int count) const {
@@ -57,12 +57,12 @@ template <class Scene> struct TiledBlock {
 };
 
 // Finds what bounds the step of an environment, and what is at fault in its particles.
-template <class Scene>
-__global__ void tiled_look(__grid_constant__ TiledLaunch<Scene> const launch, int parts) {
+template <class Scene, class T>
+__global__ void tiled_look(__grid_constant__ TiledLaunch<Scene, T> const launch, int parts) {
   alignas(16) extern __shared__ char dynamic_shared_memory[];
-  auto const block = TiledBlock<Scene>::of(launch, parts);
+  auto const block = TiledBlock<Scene, T>::of(launch, parts);
   if (!block.record().moves) return;
-  Findings& found = *reinterpret_cast<Findings*>(dynamic_shared_memory);
+  auto& found = *reinterpret_cast<Findings<T>*>(dynamic_shared_memory);
   if (threadIdx.x == 0) found = {};
   __syncthreads();
   auto const context = block.record().context;
@@ -71,16 +71,16 @@ __global__ void tiled_look(__grid_constant__ TiledLaunch<Scene> const launch, in
   if (threadIdx.x == 0) block.record().found.include(found);
 }
 
-template <class Scene, int threads>
+template <class Scene, class T, int threads>
 __global__ void __launch_bounds__(threads)
-    tiled_particles(__grid_constant__ TiledLaunch<Scene> const launch, int parts, int s) {
-  auto const block = TiledBlock<Scene>::of(launch, parts);
+    tiled_particles(__grid_constant__ TiledLaunch<Scene, T> const launch, int parts, int s) {
+  auto const block = TiledBlock<Scene, T>::of(launch, parts);
   if (!block.has(s)) return;
   auto& record = block.record();
   auto const clock = record.clock;
   auto const context = record.context;
-  auto const at = [&](int n) { return StepRecord<Scene>::at(context, clock, n); };
-  ParticlePasses<Scene> const passes{launch.step, block.arena(), record.unit};
+  auto const at = [&](int n) { return StepRecord<Scene, T>::at(context, clock, n); };
+  ParticlePasses<Scene, T> const passes{launch.step, block.arena(), record.unit};
   Met met;
   block.particles().each([&](int slot) {
     std::int64_t const index = launch.step.first_particle(block.env) + slot;
@@ -95,10 +95,11 @@ __global__ void __launch_bounds__(threads)
   record.note(met.next, s + 1);
 }
 
-template <class Scene>
-__global__ void tiled_nodes(__grid_constant__ TiledLaunch<Scene> const launch, int parts, int s) {
+template <class Scene, class T>
+__global__ void tiled_nodes(__grid_constant__ TiledLaunch<Scene, T> const launch, int parts,
+                            int s) {
   using Move = MoveNodes<typename Scene::Body, typename Scene::Effects>;
-  auto const block = TiledBlock<Scene>::of(launch, parts);
+  auto const block = TiledBlock<Scene, T>::of(launch, parts);
   if (!block.has(s)) return;
   auto& record = block.record();
   auto const arena = block.arena();
@@ -107,14 +108,14 @@ __global__ void tiled_nodes(__grid_constant__ TiledLaunch<Scene> const launch, i
 
 // What concerns an environment as a whole, by one block each: its step is opened, its substeps are chosen, what the
 // last substep has met is counted and the coupling of the next carried out.
-template <class Scene> class TiledEnvironment {
-  using Coupling = Couple<Scene>;
+template <class Scene, class T> class TiledEnvironment {
+  using Coupling = Couple<Scene, T>;
 
  public:
   static constexpr int threads = Coupling::team_size;
   static constexpr int opens = -2, chooses = -1;  // else: the substep that is coupled
 
-  __device__ explicit TiledEnvironment(TiledLaunch<Scene> const& launch)
+  __device__ explicit TiledEnvironment(TiledLaunch<Scene, T> const& launch)
       : block_{launch, blockIdx.x, 0} {}
 
   __device__ void run(int s) const {
@@ -135,8 +136,8 @@ template <class Scene> class TiledEnvironment {
   }
 
  private:
-  using Record = TiledRecord<Scene>;
-  __device__ Launch<Scene> const& step() const { return block_.launch.step; }
+  using Record = TiledRecord<Scene, T>;
+  __device__ Launch<Scene, T> const& step() const { return block_.launch.step; }
 
   template <class Control> __device__ void open(Control const& control, Record& record) const {
     record.moves = step().moves(block_.env) && !control.frozen();
@@ -165,27 +166,27 @@ template <class Scene> class TiledEnvironment {
       record.note(Coupling::run(step(), block_.env, block_.arena(), nullptr, record, s, false), s);
   }
 
-  TiledBlock<Scene> block_;
+  TiledBlock<Scene, T> block_;
 };
 
-template <class Scene>
-__global__ void __launch_bounds__(TiledEnvironment<Scene>::threads)
-    tiled_environment(__grid_constant__ TiledLaunch<Scene> const launch, int s) {
-  TiledEnvironment<Scene>(launch).run(s);
+template <class Scene, class T>
+__global__ void __launch_bounds__(TiledEnvironment<Scene, T>::threads)
+    tiled_environment(__grid_constant__ TiledLaunch<Scene, T> const launch, int s) {
+  TiledEnvironment<Scene, T>(launch).run(s);
 }
 
 // The host's side: memory, and the row of launches.
-template <class Scene, int most_threads> class TiledSteps {
-  using Environment = TiledEnvironment<Scene>;
-  using Record = TiledRecord<Scene>;
+template <class Scene, class T, int most_threads> class TiledSteps {
+  using Environment = TiledEnvironment<Scene, T>;
+  using Record = TiledRecord<Scene, T>;
 
  public:
   // Indices of nodes and their four sums are 32-bit integers.
   static constexpr std::int64_t most_nodes = std::int64_t{1} << 29;
 
   static std::size_t bytes(std::int64_t environments, std::int64_t nodes) {
-    return grids_at(environments) +
-           static_cast<std::size_t>(environments) * static_cast<std::size_t>(Arena::bytes(nodes));
+    return grids_at(environments) + static_cast<std::size_t>(environments) *
+                                        static_cast<std::size_t>(Arena<T>::bytes(nodes));
   }
   TiledSteps() = default;
   TiledSteps(std::int64_t environments, std::int64_t nodes, cudaStream_t stream)
@@ -193,11 +194,11 @@ template <class Scene, int most_threads> class TiledSteps {
     fill(0, memory_.bytes(), stream);
   }
 
-  void run(Launch<Scene> const& step, int threads, cudaStream_t stream) const {
-    TiledLaunch<Scene> const launch{step, memory_.as<Record>(counter_bytes),
-                                    memory_.as(grids_at(environments_)), memory_.as<int>()};
+  void run(Launch<Scene, T> const& step, int threads, cudaStream_t stream) const {
+    TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
+                                       memory_.as(grids_at(environments_)), memory_.as<int>()};
     auto const environment = [&](int s) {
-      start(stream, "a step", tiled_environment<Scene>, environments_, Environment::threads, 0,
+      start(stream, "a step", tiled_environment<Scene, T>, environments_, Environment::threads, 0,
             launch, s);
     };
     auto const parts_of = [&](std::int64_t items) {
@@ -206,19 +207,19 @@ template <class Scene, int most_threads> class TiledSteps {
     int const particles = parts_of(step.tables.template of<Particles>().view.capacity);
     int const nodes = parts_of(step.lattice.count());
     auto const move = [&](int s) {
-      start(stream, "a step", tiled_particles<Scene, most_threads>, environments_ * particles,
+      start(stream, "a step", tiled_particles<Scene, T, most_threads>, environments_ * particles,
             threads, 0, launch, particles, s);
     };
     environment(Environment::opens);
-    start(stream, "a step", tiled_look<Scene>, environments_ * particles, threads, sizeof(Findings),
-          launch, particles);
+    start(stream, "a step", tiled_look<Scene, T>, environments_ * particles, threads,
+          sizeof(Findings<T>), launch, particles);
     fill(0, sizeof(int), stream);
     environment(Environment::chooses);
     int const substeps = step.choice.fixed > 0 ? step.choice.fixed : most_substeps(stream);
     move(-1);
     for (int s = 0; s < substeps; ++s) {
-      start(stream, "a step", tiled_nodes<Scene>, environments_ * nodes, threads, 0, launch, nodes,
-            s);
+      start(stream, "a step", tiled_nodes<Scene, T>, environments_ * nodes, threads, 0, launch,
+            nodes, s);
       environment(s);
       move(s);
     }
