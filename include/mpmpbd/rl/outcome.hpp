@@ -5,7 +5,46 @@
 #include <cstdint>
 #include <vector>
 
+#include <mpmpbd/core/config.hpp>
+
 namespace mpmpbd::rl {
+
+// Where the words of a StepOutcome lie: in the memory of the host, or of a device.
+struct OutcomeArrays {
+  float *reward, *terms, *returns, *metrics;
+  unsigned char *terminated, *truncated, *diverged, *invalid_action, *restarted;
+  std::int32_t* episode_length;
+  std::uint32_t* status;
+  int term_count, metric_count;
+
+  MPMPBD_HD bool done(std::int64_t env) const { return (terminated[env] | truncated[env]) != 0; }
+
+  // Nothing has been decided yet.
+  MPMPBD_HD void clear(std::int64_t env) const {
+    reward[env] = 0;
+    terminated[env] = truncated[env] = diverged[env] = invalid_action[env] = restarted[env] = 0;
+    for (int k = 0; k < term_count; ++k) terms[env * term_count + k] = 0;
+  }
+  // Its numbers mean nothing.
+  MPMPBD_HD void lose(std::int64_t env) const {
+    clear(env);
+    diverged[env] = terminated[env] = 1;
+  }
+
+  // Calls f(member, numbers per environment) for every array.
+  template <class Function> void walk(Function&& f) const {
+    f(&OutcomeArrays::reward, 1);
+    f(&OutcomeArrays::terms, term_count);
+    f(&OutcomeArrays::returns, term_count);
+    f(&OutcomeArrays::metrics, metric_count);
+    for (auto flags :
+         {&OutcomeArrays::terminated, &OutcomeArrays::truncated, &OutcomeArrays::diverged,
+          &OutcomeArrays::invalid_action, &OutcomeArrays::restarted})
+      f(flags, 1);
+    f(&OutcomeArrays::episode_length, 1);
+    f(&OutcomeArrays::status, 1);
+  }
+};
 
 // (num_envs) each; `terms` and `returns` are (num_envs, terms), `metrics` is (num_envs, metrics).
 // All are of the episode that acted, also where a new one has begun since.
@@ -34,19 +73,20 @@ struct StepOutcome {
     episode_length.assign(environments, 0);
     status.assign(environments, 0);
   }
-  // Nothing has been decided yet.
-  void clear(std::int64_t env) {
-    auto const i = static_cast<std::size_t>(env);
-    reward[i] = 0;
-    terminated[i] = truncated[i] = diverged[i] = invalid_action[i] = restarted[i] = 0;
-    std::size_t const n = terms.size() / reward.size();
-    for (std::size_t k = 0; k < n; ++k) terms[i * n + k] = 0;
-  }
-  // Its numbers mean nothing.
-  void lose(std::int64_t env) {
-    auto const i = static_cast<std::size_t>(env);
-    clear(env);
-    diverged[i] = terminated[i] = 1;
+  OutcomeArrays arrays() {
+    return {reward.data(),
+            terms.data(),
+            returns.data(),
+            metrics.data(),
+            terminated.data(),
+            truncated.data(),
+            diverged.data(),
+            invalid_action.data(),
+            restarted.data(),
+            episode_length.data(),
+            status.data(),
+            static_cast<int>(terms.size() / reward.size()),
+            static_cast<int>(metrics.size() / reward.size())};
   }
 };
 
