@@ -188,6 +188,7 @@ template <class... Parts> struct Scene {
       "Apic or Tpic, or leave the effect out");
 
   using Policies = join_t<typename detail::LeavesOf<Parts>::type...>;
+  using Physics = Policies;  // those whose numbers a step needs, also where a task stores more
   using Mpm = detail::MpmStages<Body, Effects>;
   using Substep = typename detail::PipelineOf<
       join_t<typename Mpm::Before, typename detail::BodyStages<In, has_coupling>::type,

@@ -98,7 +98,7 @@ __device__ Findings<T> look_at_particles(Launch<Scene, T> const& launch, std::in
 
 // The step of an environment. One thread opens, chooses and closes; all may look and note.
 template <class Scene, class T> struct StepRecord {
-  using Ctx = Context<T, typename Scene::Policies>;
+  using Ctx = Context<T, typename Scene::Physics>;
   Ctx context;
   StepClock<T> clock;
   Findings<T> found;
@@ -106,7 +106,7 @@ template <class Scene, class T> struct StepRecord {
   bool frozen;
 
   template <class Env> __device__ void open(Env const& env, Lattice<T> const& lattice) {
-    context = load_context<typename Scene::Policies>(env, lattice);
+    context = load_context<typename Scene::Physics>(env, lattice);
     found = {};
     met[0] = met[1] = 0;
     frozen = false;
