@@ -33,6 +33,10 @@ struct DeviceArray {
   bool is_integer;
 };
 
+namespace cuda {
+template <class Scene, class T> struct StateOnDevice;  // in backend/cuda/simulation.cuh
+}
+
 // Limits: no FLIP, no linear splines; double runs tiled.
 template <class Scene, class Backend, class T> class Simulation;
 template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private RunState<Scene_, T> {
@@ -111,6 +115,10 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
             static_cast<int>(sizeof(element_t<F, T>)),
             !std::is_same_v<element_t<F, T>, T>};
   }
+
+  // The state for kernels of your own, which run in the same stream (backend/cuda/simulation.cuh). Sends what the
+  // host has changed; from now on the device's state is the newer one.
+  cuda::StateOnDevice<Scene, T> on_device();
 
   // How a step is carried out, and why.
   std::string execution() const;

@@ -43,14 +43,15 @@ inline void require_free(std::size_t bytes) {
                              " MiB of the device are free; use fewer environments");
 }
 
-// Starts a kernel; `bytes` of shared memory for each of its blocks.
+// Starts a kernel; `bytes` of shared memory for each of its blocks. What cannot be started throws, and says `what` it
+// was.
 template <class... Args>
-void start(cudaStream_t stream, std::string const& what, void (*kernel)(Args...),
-           std::int64_t blocks, int threads, std::size_t bytes, std::remove_cvref_t<Args>... args) {
+void start(cudaStream_t stream, char const* what, void (*kernel)(Args...), std::int64_t blocks,
+           int threads, std::size_t bytes, std::remove_cvref_t<Args>... args) {
   void* list[] = {const_cast<void*>(static_cast<void const*>(&args))...};
-  require(cudaLaunchKernel(kernel, dim3(static_cast<unsigned>(blocks)),
-                           dim3(static_cast<unsigned>(threads)), list, bytes, stream),
-          "launching " + what);
+  auto const e = cudaLaunchKernel(kernel, dim3(static_cast<unsigned>(blocks)),
+                                  dim3(static_cast<unsigned>(threads)), list, bytes, stream);
+  if (e != cudaSuccess) require(e, std::string("launching ") + what);
 }
 
 // Bytes on the present device.

@@ -26,6 +26,12 @@ __global__ void reset(TablesOf<Scene, T> const tables, TablesOf<Scene, T> const 
   if (threadIdx.x == 0) fields.template set<environment::Episode>(0, episode + 1);
 }
 
+// A run as kernels see it: its state, the one that it returns to, and its grid.
+template <class Scene, class T> struct StateOnDevice {
+  TablesOf<Scene, T> now, remembered;
+  Lattice<T> lattice;
+};
+
 // Where the planes of a store lie within one piece of memory.
 template <class Store> struct Layout {
   template <class F> static std::size_t bytes_of(Store const& store) {
@@ -353,6 +359,13 @@ template <class Scene_, class T> void* Simulation<Scene_, Cuda, T>::plane_of(int
       },
       [](auto...) {});
   return found;
+}
+template <class Scene_, class T>
+cuda::StateOnDevice<Scene_, T> Simulation<Scene_, Cuda, T>::on_device() {
+  send();
+  device_is_newer_ = true;
+  return {device_->tables(Base::state_, device_->now),
+          device_->tables(Base::state_, device_->initial), Base::lattice_};
 }
 template <class Scene_, class T> std::string Simulation<Scene_, Cuda, T>::execution() const {
   return device_->execution();
