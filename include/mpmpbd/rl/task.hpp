@@ -113,6 +113,7 @@ inline constexpr bool all_stored<Fields<Fs...>, StateFields> = (contains<StateFi
 }  // namespace detail
 
 template <class Scene_, class... Parts> struct Task {
+  using Composition = Task;  // the parts alone, without the settings of a task that is made of them
   template <class Role> using With = of_role_t<Role, Parts...>;
   using Actions = With<role::Action>;
   using Progress = With<role::Progress>;

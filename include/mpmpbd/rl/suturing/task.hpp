@@ -7,20 +7,13 @@
 
 #include <mpmpbd/catalog/suturing.hpp>
 #include <mpmpbd/rl/suturing/config.hpp>
-#include <mpmpbd/rl/suturing/observation.hpp>
+#include <mpmpbd/rl/suturing/parts.hpp>
 #include <mpmpbd/rl/suturing/picture.hpp>
-#include <mpmpbd/rl/suturing/randomisation.hpp>
-#include <mpmpbd/rl/suturing/reward.hpp>
 
 namespace mpmpbd::rl {
 
-// Everything but what is seen: `Groups` are the observation groups, and what they need besides.
-template <class... Groups>
-struct SuturingWith
-    : Task<Suturing, MoveNeedle, StitchProgress, Groups..., EntryDistance, EntryReached,
-           TurnTowardsExit, ExitCloseness, ExitReached, CentreMotion, StitchFinished, StitchOver,
-           RandomTissue, RandomFriction, RandomThread, RandomNeedle, RandomMarkers, RandomStart,
-           metric::Phase, metric::Success, metric::EntryMiss, metric::ExitMiss> {
+// The task with the observation groups `Groups`, and what they need besides.
+template <class... Groups> struct SuturingWith : SuturingParts<Groups...> {
   using Config = SuturingTaskConfig;
 
   static SimulationOptions options(Config const& c, std::int64_t environments) {
@@ -85,8 +78,7 @@ struct SuturingWith
 };
 
 // State observations: all that a policy without a camera can know.
-struct SuturingTask : SuturingWith<NeedlePose, NeedleTwist, TipAndMarkers, StitchState,
-                                   NeedleWrench, ThreadTension> {};
+struct SuturingTask : SeenByState<SuturingWith> {};
 
 // The reference system's: a picture, and where the needle is. It stacks three: episode.frames = 3.
 struct SuturingFromPictures : SuturingWith<CameraPicture, NeedlePose, RandomLook> {};
