@@ -56,7 +56,7 @@ inline unsigned seed = 1;
 inline int devices = 1;
 inline std::size_t free_bytes = std::size_t{1} << 34;
 inline int shared_bytes_per_block = 232448;
-inline int launches = 0, allocations = 0, waits = 0;  // counted
+inline int launches = 0, allocations = 0, copies = 0, waits = 0;  // counted
 
 // One block of threads.
 class Block {
@@ -238,7 +238,7 @@ inline cudaError_t cudaMalloc(void** memory, std::size_t bytes) {
 inline cudaError_t cudaFree(void* memory) { return std::free(memory), cudaSuccess; }
 inline cudaError_t cudaMemcpyAsync(void* to, void const* from, std::size_t bytes, cudaMemcpyKind,
                                    cudaStream_t) {
-  return std::memcpy(to, from, bytes), cudaSuccess;
+  return ++emulated::copies, std::memcpy(to, from, bytes), cudaSuccess;
 }
 inline cudaError_t cudaMemsetAsync(void* to, int value, std::size_t bytes, cudaStream_t) {
   return std::memset(to, value, bytes), cudaSuccess;

@@ -1,0 +1,139 @@
+// What a decision is beside the steps of its scene, on a device: a block for every environment.
+#pragma once
+
+#include <mpmpbd/backend/cuda/simulation.cuh>
+#include <mpmpbd/rl/cuda/episodes.hpp>
+
+namespace mpmpbd::rl {
+
+// When a kernel is started: out of turn, before the first step of a decision, between two, after the last.
+enum class Moment { begin, decide, between, finish };
+
+template <class Task> struct EpisodeLaunch {
+  cuda::StateOnDevice<typename Task::Scene, float> run;
+  EpisodeRules rules;
+  OutcomeArrays out;
+  detail::GroupViews<typename Task::Observations> groups;
+  unsigned char* begins;  // whether an environment begins an episode in this launch
+  unsigned char* acts;    // whether it moves in this decision
+  float const* actions;
+  double h;  // length of a step [s]
+  Asked asked;
+
+  __device__ auto control(std::int64_t env) const {
+    auto const fields = run.now.environment(env);
+    return EpisodeControl<Task, std::remove_const_t<decltype(fields)>>{fields, run.lattice, env,
+                                                                       rules,  out,         groups};
+  }
+  // What the text of all back ends makes of a moment. One thread calls.
+  __device__ Beginning meet(Moment moment, std::int64_t env) const {
+    auto const one = control(env);
+    float const* const action = actions + env * Task::Action::size;
+    if (moment == Moment::begin) return answer(one);
+    Beginning next{};
+    if (moment == Moment::decide)
+      next = one.decide(action, acts[env]);
+    else if (acts[env])
+      one.advance();
+    if (moment == Moment::finish) return one.finish(acts[env] != 0);
+    if (acts[env]) one.apply(action, h);
+    return next;
+  }
+
+ private:
+  template <class Control> __device__ Beginning answer(Control const& one) const {
+    if (asked.mask != nullptr && asked.mask[one.env] == 0) return {};
+    if (asked.only >= 0 && asked.only != one.env) return {};
+    out.clear(one.env);
+    if (asked.episode == 0) return one.next();
+    return {asked.episode, asked.as >= 0 ? asked.as : one.env};
+  }
+};
+
+// One thread reads the text; all put an environment back that begins an episode.
+template <class Task>
+__global__ void __launch_bounds__(128)
+    between_steps(__grid_constant__ EpisodeLaunch<Task> const launch, Moment const moment) {
+  std::int64_t const env = blockIdx.x;
+  Beginning next{};
+  if (threadIdx.x == 0) {
+    next = launch.meet(moment, env);
+    launch.begins[env] = next.episode > 0;
+  }
+  __syncthreads();
+  if (launch.begins[env] == 0) return;
+  launch.run.now.copy_environment(env, launch.run.remembered, env);
+  __syncthreads();
+  if (threadIdx.x == 0) launch.control(env).begin(next);
+}
+
+// One piece of memory for all arrays.
+template <class Task, class T> struct EpisodesOnDevice<Task, T>::Memory { cuda::Memory all; };
+
+template <class Task, class T>
+EpisodesOnDevice<Task, T>::EpisodesOnDevice(Sim const& sim, Cuda where, Views const& sizes)
+    : where_(where), groups_(sizes), memory_(std::make_unique<Memory>()) {
+  cuda::OnDevice const here(where.device);
+  outcome_.term_count = Task::Rewards::size;
+  outcome_.metric_count = Task::Metrics::size;
+  auto const size = [&]<class Number>(Number*, std::int64_t of_each) {
+    auto const numbers = static_cast<std::size_t>(sim.environments() * of_each);
+    return (numbers * sizeof(Number) + 255) / 256 * 256;
+  };
+  std::size_t bytes = 0, at = 0;
+  for_each_array([&](auto* array, std::int64_t of_each) { bytes += size(array, of_each); });
+  memory_->all = cuda::Memory(bytes);
+  for_each_array([&]<class Number>(Number*& array, std::int64_t of_each) {
+    array = memory_->all.template as<Number>(at);
+    at += size(array, of_each);
+  });
+  cuda::require(
+      cudaMemsetAsync(memory_->all.as(), 0, bytes, static_cast<cudaStream_t>(where.stream)),
+      "clearing arrays");
+}
+template <class Task, class T> EpisodesOnDevice<Task, T>::~EpisodesOnDevice() = default;
+template <class Task, class T>
+EpisodesOnDevice<Task, T>::EpisodesOnDevice(EpisodesOnDevice&&) noexcept = default;
+
+template <class Task, class T>
+void EpisodesOnDevice<Task, T>::begin(Sim& sim, EpisodeRules const& rules,
+                                      Asked const& asked) const {
+  cuda::OnDevice const here(where_.device);
+  EpisodeLaunch<Task> const launch{sim.on_device(), rules,    outcome_, groups_, begins_,
+                                   acts_,           actions_, 0.0,      asked};
+  cuda::start(static_cast<cudaStream_t>(where_.stream), "episodes", between_steps<Task>, sim.environments(), 128, 0, launch,
+               Moment::begin);
+}
+template <class Task, class T>
+void EpisodesOnDevice<Task, T>::decide(Sim& sim, EpisodeRules const& rules, float const* actions,
+                                       double h, int steps) const {
+  cuda::OnDevice const here(where_.device);
+  EpisodeLaunch<Task> const launch{sim.on_device(), rules,   outcome_, groups_, begins_,
+                                   acts_,           actions, h,        {}};
+  auto const meet = [&](Moment moment) {
+    cuda::start(static_cast<cudaStream_t>(where_.stream), "a decision", between_steps<Task>, sim.environments(), 128, 0, launch,
+                 moment);
+  };
+  meet(Moment::decide);
+  for (int i = 0; i < steps; ++i) {
+    sim.step_where(h, acts_);
+    meet(i + 1 < steps ? Moment::between : Moment::finish);
+  }
+}
+
+template <class Task, class T>
+void EpisodesOnDevice<Task, T>::send(void* to, void const* from, std::size_t bytes) const {
+  cuda::OnDevice const here(where_.device);
+  cuda::require(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice,
+                                static_cast<cudaStream_t>(where_.stream)),
+                "sending");
+}
+template <class Task, class T>
+void EpisodesOnDevice<Task, T>::fetch(void* to, void const* from, std::size_t bytes) const {
+  cuda::OnDevice const here(where_.device);
+  cuda::require(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost,
+                                static_cast<cudaStream_t>(where_.stream)),
+                "fetching");
+}
+
+}  // namespace mpmpbd::rl
