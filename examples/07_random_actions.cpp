@@ -7,12 +7,10 @@
 #include "task_options.hpp"
 
 using namespace mpmpbd;
-using Envs = rl::VectorEnv<rl::SuturingTask, Threads>;
 
 namespace {
 
-bool wander(course::TaskOptions const& run) {
-  Envs envs(run.config, run.envs(), run.threads);
+template <class Envs> bool wander(course::TaskOptions const& run, Envs& envs) {
   course::EpisodeQueue queue(run.episodes);
   course::EpisodeTable<Envs> table(run.out / "episodes.csv");
   std::vector<rl::Random> random(static_cast<std::size_t>(envs.num_envs()), {run.seed, -1, 0});
@@ -37,9 +35,9 @@ bool wander(course::TaskOptions const& run) {
   table.close();
   fmt::print("{} episodes: {} entered, {} stitches, {} diverged\n", table.episodes(),
              table.entries(), table.successes(), table.diverged());
-  fmt::print("{:.1f} decisions/s ({} environments, {} material points each, {} threads)\n",
+  fmt::print("{:.1f} decisions/s ({} environments, {} material points each, {})\n",
              static_cast<double>(decisions) / seconds, envs.num_envs(),
-             run.config.scene.tissue.point_count(), run.threads.lanes());
+             run.config.scene.tissue.point_count(), run.place());
   bool const whole = course::check(table.diverged() == 0, "no environment lost its numbers");
   bool const aimless = course::check(table.successes() == 0, "random actions make no stitch");
   return whole && aimless;
@@ -50,5 +48,10 @@ bool wander(course::TaskOptions const& run) {
 int main(int argc, char** argv) {
   course::TaskOptions defaults;
   defaults.episodes = 20;
-  return course::run_task(argc, argv, "Random actions in the suturing task.", defaults, wander);
+  defaults.takes_devices = true;
+  return course::run_task(argc, argv, "Random actions in the suturing task.", defaults,
+                          [](course::TaskOptions const& run) {
+                            return course::with_envs<rl::SuturingTask>(
+                                run, [&](auto& envs) { return wander(run, envs); });
+                          });
 }

@@ -7,12 +7,10 @@
 #include <mpmpbd/rl/suturing/expert.hpp>
 
 using namespace mpmpbd;
-using Envs = rl::VectorEnv<rl::SuturingTask, Threads>;
 
 namespace {
 
-bool sew(course::TaskOptions const& run) {
-  Envs envs(run.config, run.envs(), run.threads);
+template <class Envs> bool sew(course::TaskOptions const& run, Envs& envs) {
   rl::SuturingExperts experts(envs);
   course::EpisodeQueue queue(run.episodes);
   course::EpisodeTable<Envs> table(run.out / "episodes.csv");
@@ -34,5 +32,10 @@ bool sew(course::TaskOptions const& run) {
 int main(int argc, char** argv) {
   course::TaskOptions defaults;
   defaults.episodes = 20;
-  return course::run_task(argc, argv, "A scripted expert in the suturing task.", defaults, sew);
+  defaults.takes_devices = true;
+  return course::run_task(argc, argv, "A scripted expert in the suturing task.", defaults,
+                          [](course::TaskOptions const& run) {
+                            return course::with_envs<rl::SuturingTask>(
+                                run, [&](auto& envs) { return sew(run, envs); });
+                          });
 }

@@ -7,6 +7,9 @@
 #include <mpmpbd/catalog/suturing_task.hpp>
 #include <mpmpbd/io/csv.hpp>
 #include <mpmpbd/io/progress.hpp>
+#if defined(COURSE_HAS_CUDA)
+#include <mpmpbd/rl/cuda/vector_env.hpp>
+#endif
 
 namespace course {
 
@@ -21,6 +24,8 @@ struct TaskOptions {
   std::string counted = "episodes to run";
   std::int64_t seed = 1;
   mpmpbd::Threads threads;
+  bool takes_devices = false;  // whether the program knows --device
+  std::string device = "cpu";
   Path out;
   bool unfinished = false;  // too short for its results to be judged
 
@@ -28,7 +33,26 @@ struct TaskOptions {
   rl::VectorEnvOptions envs() const {
     return {.num_envs = num_envs, .seed = seed, .autoreset = rl::Autoreset::disabled};
   }
+  std::string place() const {
+    return device == "cpu" ? fmt::format("{} threads", threads.lanes()) : "a CUDA device";
+  }
 };
+
+// Calls program(envs) with the environments of a task where the command line wants them.
+template <class Task, class Program> bool with_envs(TaskOptions const& run, Program&& program) {
+  if (run.device == "cuda") {
+#if defined(COURSE_HAS_CUDA)
+    rl::VectorEnv<Task, mpmpbd::Cuda> envs(run.config, run.envs());
+    return program(envs);
+#else
+    throw std::runtime_error(
+        "--device cuda asked for; this program was built without CUDA: configure with "
+        "-DMPMPBD_CUDA=ON, or take --device cpu");
+#endif
+  }
+  rl::VectorEnv<Task, mpmpbd::Threads> envs(run.config, run.envs(), run.threads);
+  return program(envs);
+}
 
 namespace detail {
 inline void read_task(TaskOptions& o, Path const& config, std::vector<std::string> const& lines) {
@@ -63,6 +87,10 @@ int run_task(int argc, char** argv, std::string const& about, TaskOptions o, Pro
   app.add_option("--episodes", o.episodes, o.counted)
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();
+  if (o.takes_devices)
+    app.add_option("--device", o.device, "where environments live")
+        ->check(CLI::IsMember({"cpu", "cuda"}))
+        ->capture_default_str();
   app.add_flag("--unfinished", o.unfinished, "the run is too short for its results to be judged");
   detail::declare_common(app, o.seed, o.threads, o.out, config, lines);
   CLI11_PARSE(app, argc, argv);
