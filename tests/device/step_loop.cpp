@@ -1,0 +1,160 @@
+// The step loop on a GPU, driven by plain C++: it gives what the host's gives, the same bits in any company and for any
+// number of threads, and an expert that sees through it alone sews.
+//
+// An argument names the folder of the scenes, where it is not that of the sources. tests/cuda has the same on an emulated
+// device, and more of it.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include <mpmpbd/catalog/suturing_task.hpp>
+#include <mpmpbd/io/config.hpp>
+#include <mpmpbd/rl/cuda/vector_env.hpp>
+#include <mpmpbd/rl/suturing/expert.hpp>
+#include <mpmpbd/testing/worst.hpp>
+
+namespace {
+
+using namespace mpmpbd;
+using rl::SuturingTask;
+using OnHost = rl::VectorEnv<SuturingTask, Threads>;
+using OnDevice = rl::VectorEnv<SuturingTask, Cuda>;
+
+int passed = 0, failed = 0;
+void check(bool ok, char const* what, double value = 0) {
+  std::printf("%s: %s (%.3g)\n", ok ? "pass" : "FAIL", what, value);
+  (ok ? passed : failed) += 1;
+}
+
+rl::SuturingTaskConfig settings(io::Path const& scenes, std::vector<std::string> const& more) {
+  return io::read_config<rl::SuturingTaskConfig>(
+      std::vector<io::Path>{scenes / "coarse.toml", scenes / "suturing_task.toml"}, more);
+}
+
+// What an environment does depends on its number in the larger set.
+template <class Envs> std::vector<float> actions(Envs const& envs, int decision) {
+  std::vector<float> all;
+  for (std::int64_t e = 0; e < envs.num_envs(); ++e)
+    for (int a = 0; a < 3; ++a) {
+      auto const n = double(e + envs.options().first_environment);
+      all.push_back(float(std::sin(0.7 * decision + 1.3 * n + 2.1 * a)));
+    }
+  return all;
+}
+
+template <class Group> double difference(OnDevice const& a, OnHost const& b) {
+  auto const x = a.observation<Group>(), y = b.observation<Group>();
+  testing::Worst worst;
+  for (std::size_t i = 0; i < y.size(); ++i) worst.include(std::fabs(double(x[i]) - double(y[i])));
+  return worst.value();
+}
+// As the tests on an emulated device allow for fixed point [m], and eight roundings of a position of up to 2 m per step
+// for other arithmetic.
+double rounding(rl::SuturingTaskConfig const& c) {
+  auto const& time = c.scene.time;
+  double const steps = c.episode.decision_interval * c.episode.limit;
+  double const v = 5.0 * 27 / std::sqrt(12.0) / 4194304.0 * std::sqrt(time.substeps * steps) *
+                   c.scene.domain.cell_size * time.substeps / time.step;
+  return v * steps * time.step + 8 * steps * 0x1p-23;
+}
+
+void compare_with_host(rl::SuturingTaskConfig const& c, rl::Autoreset how) {
+  rl::VectorEnvOptions const options{.num_envs = 6, .seed = 5, .autoreset = how};
+  OnHost host(c, options);
+  OnDevice device(c, options);
+  bool same = true;
+  testing::Worst pose, markers;
+  for (int i = 0; i < 7; ++i) {
+    auto act = actions(host, i);
+    if (i == 1) act[5] = 2.0f;
+    auto const& h = host.step(act);
+    auto const& d = device.step(act);
+    same = same && d.terminated == h.terminated && d.truncated == h.truncated &&
+           d.invalid_action == h.invalid_action && d.restarted == h.restarted &&
+           d.episode_length == h.episode_length && d.status == h.status;
+    pose.include(difference<rl::NeedlePose>(device, host));
+    markers.include(difference<rl::TipAndMarkers>(device, host));
+  }
+  check(same, "episodes end and begin as on the host", double(how));
+  check(pose.value() < rounding(c), "the needle is where it is on the host [m]", pose.value());
+  check(markers.value() < rounding(c), "and tip and markers [m]", markers.value());
+}
+
+// Everything that an environment shows and is paid over some decisions.
+std::vector<float> record(OnDevice& envs, std::int64_t env, int decisions) {
+  std::vector<float> all;
+  auto const append = [&](auto const& numbers) {
+    auto const n = std::ptrdiff_t(numbers.size()) / envs.num_envs();
+    all.insert(all.end(), numbers.begin() + env * n, numbers.begin() + (env + 1) * n);
+  };
+  for (int i = 0; i < decisions; ++i) {
+    auto const& out = envs.step(actions(envs, i));
+    append(out.terms);
+    append(out.returns);
+    append(out.metrics);
+    append(envs.observation<rl::NeedlePose>());
+    append(envs.observation<rl::TipAndMarkers>());
+    append(envs.observation<rl::ThreadTension>());
+  }
+  return all;
+}
+bool same_bits(std::vector<float> const& a, std::vector<float> const& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), 4 * a.size()) == 0;
+}
+void compare_companies(rl::SuturingTaskConfig const& c) {
+  OnDevice many(c, {.num_envs = 200, .seed = 3}), again(c, {.num_envs = 200, .seed = 3}),
+      narrow(c, {.num_envs = 200, .seed = 3}, Cuda{.threads = 256}),
+      alone(c, {.num_envs = 1, .seed = 3, .first_environment = 137});
+  auto const first = record(many, 137, 7);
+  check(same_bits(first, record(again, 137, 7)), "the same again");
+  check(same_bits(first, record(narrow, 137, 7)), "256 threads give the same bits");
+  check(same_bits(first, record(alone, 0, 7)), "alone it has the same bits");
+  // Its second episode again, in another's place: what it shows before anything is done is the same.
+  many.start(0, 2, 137);
+  alone.start(0, 2);
+  auto const there = many.newest<rl::TipAndMarkers>(0), here = alone.newest<rl::TipAndMarkers>(0);
+  check(std::equal(there.begin(), there.end(), here.begin()), "an episode begins alike anywhere");
+}
+
+void sew(rl::SuturingTaskConfig const& c) {
+  OnDevice envs(c, {.num_envs = 8, .seed = 1, .autoreset = rl::Autoreset::disabled});
+  rl::SuturingExperts experts(envs);
+  for (int i = 0; i < c.episode.limit; ++i) envs.step(experts.act(envs));
+  int stitches = 0;
+  for (std::int64_t e = 0; e < 8; ++e) stitches += envs.metric<rl::metric::Success>(e) > 0.5f;
+  check(stitches == 8, "stitches of eight by the expert", stitches);
+}
+
+double decisions_per_second(rl::SuturingTaskConfig const& c, std::int64_t environments) {
+  OnDevice envs(c, {.num_envs = environments});
+  auto const act = actions(envs, 0);
+  envs.step(act);  // which leaves them in envs.actions()
+  int const decisions = 5;
+  auto const begun = std::chrono::steady_clock::now();
+  for (int i = 0; i < decisions; ++i) envs.step_from(envs.actions());
+  std::as_const(envs).simulation().wait();
+  std::chrono::duration<double> const took = std::chrono::steady_clock::now() - begun;
+  return decisions * double(environments) / took.count();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  auto const scenes = argc > 1 ? io::Path(argv[1])
+                               : io::Path(__FILE__).parent_path().parent_path().parent_path() /
+                                     "examples" / "scenes";
+  auto const brief =
+      settings(scenes, {"episode.decision_interval=5", "episode.limit=3", "episode.frames=2"});
+  for (auto how : {rl::Autoreset::same_step, rl::Autoreset::next_step, rl::Autoreset::disabled})
+    compare_with_host(brief, how);
+  compare_companies(brief);
+  auto const whole = settings(scenes, {});
+  sew(whole);
+  for (std::int64_t environments : {1, 132, 1056})
+    std::printf("%d environments of %d material points: %.1f decisions/s of %d steps\n",
+                int(environments), int(whole.scene.tissue.point_count()),
+                decisions_per_second(whole, environments), whole.episode.decision_interval);
+  std::printf("%d passed, %d failed\n", passed, failed);
+  return failed == 0 ? 0 : 1;
+}
