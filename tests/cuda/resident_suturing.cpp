@@ -188,9 +188,10 @@ TEST_CASE("fields on a device are seen where they lie", "[cuda][arrays]") {
   CHECK(x.shape[0] == 2);
   CHECK(x.shape[1] == c.tissue.point_count());
   CHECK(x.shape[2] == 3);
-  CHECK(x.bytes_per_element == 4);
-  CHECK_FALSE(x.is_integer);
-  CHECK(run.array<environment::Status>().is_integer);
+  CHECK(x.element == element_type<float>);
+  CHECK(run.array<environment::Status>().element == element_type<std::int64_t>);
+  CHECK(x.place.memory == Memory::cuda);
+  CHECK(array_named(run, "particle.x").data == x.data);
   run.step(0.004);
   auto const expected = read(run).get<particle::Position>(1, 42);
   for (int a = 0; a < 3; ++a)  // an emulated device shares the host's memory

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include <mpmpbd/core/array.hpp>
 #include <mpmpbd/scene/run_state.hpp>
 
 namespace mpmpbd {
@@ -22,15 +23,6 @@ struct Cuda {
   void* stream = nullptr;  // a cudaStream_t of that device; null: its default stream
   int threads = 512;       // of a block: 128 to 512, a multiple of 32; bits do not depend on it
   Execution execution = Execution::automatic;  // nor on this
-};
-
-// A field of all environments in the memory of a device: logical shape (env, slot, component).
-struct DeviceArray {
-  void* data;
-  std::int64_t shape[3];
-  std::int64_t strides[3];  // [elements]
-  int bytes_per_element;
-  bool is_integer;
 };
 
 namespace cuda {
@@ -104,16 +96,11 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   // Waits until the device has done all that it was told.
   void wait() const;
 
-  // A field in the memory of the device, valid as long as this run.
-  template <class F> DeviceArray array() {
+  // A field in the memory of the device, (env, slot, component), valid as long as this run.
+  template <class F> Array array() {
     send();
-    auto const& table = Base::state_.template table<typename F::Domain>();
-    std::int64_t const capacity = table.capacity(), plane = environments() * capacity;
-    return {plane_of(field_index<F>()),
-            {environments(), capacity, F::components},
-            {capacity, 1, plane},
-            static_cast<int>(sizeof(element_t<F, T>)),
-            !std::is_same_v<element_t<F, T>, T>};
+    return field_array<F>(static_cast<element_t<F, T>*>(plane_of(field_index<F>())), environments(),
+                          Base::state_.template table<typename F::Domain>().capacity(), place());
   }
 
   // The state for kernels of your own, which run in the same stream (backend/cuda/simulation.cuh). Sends what the
@@ -135,6 +122,7 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
     }(typename Store::List{});
   }
   void* plane_of(int field) const;
+  Place place() const;
 
   Store& fetched() const;
   Base& changed() {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <mpmpbd/core/array.hpp>
 #include <mpmpbd/mpm/lattice.hpp>
 #include <mpmpbd/pbd/access.hpp>
 #include <mpmpbd/scene/scene.hpp>
@@ -67,6 +68,10 @@ template <class Scene_, class T> class RunState {
   SimulationOptions const& options() const { return options_; }
   Store& state() { return state_; }
   Store const& state() const { return state_; }
+
+  // A field where it lies, (env, slot, component); of a const run read-only. Valid as long as this run.
+  template <class F> Array array() { return array_in<F>(state_); }
+  template <class F> Array array() const { return array_in<F>(state_); }
 
   // Sets the parameters of policy P in all environments, or in one. Refused values change nothing.
   template <class P> void set(parameters_t<P, double> const& k) {
@@ -147,6 +152,12 @@ template <class Scene_, class T> class RunState {
         const_cast<Store&>(state_);  // views of a const table are not built; nothing is written
     return load_context<typename Scene::Policies>(
         access_environment(state, env, typename Store::Domains{}), lattice_);
+  }
+
+  template <class F, class State_> static Array array_in(State_& state) {
+    auto& table = state.template table<typename F::Domain>();
+    return field_array<F>(table.template planes<F>().data(), table.environments(),
+                          table.capacity());
   }
 
   template <class D> std::int64_t slots() const {
