@@ -3,7 +3,7 @@
 # Third-party headers stay where nvcc does not see them: Eigen in eigen.hpp, fmt in the printed plan
 # and reports, file formats in io. A header of the device folders that includes one of them compiles
 # on the host and breaks, or turns into a trap, in a kernel.
-set(forbidden "<(Eigen|unsupported/Eigen|fmt|catch2|nlohmann|toml\\+\\+|CLI|stb|benchmark)/")
+set(forbidden "<(Eigen|unsupported/Eigen|fmt|catch2|nlohmann|toml\\+\\+|CLI|stb|benchmark|dlpack)/")
 set(device_folders core mpm pbd coupling geometry effects backend rl)
 set(mistakes "")
 foreach(folder IN LISTS device_folders)

@@ -30,7 +30,7 @@ for argument in "$@"; do
 done
 
 packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev catch2 libcli11-dev libtomlplusplus-dev
-  nlohmann-json3-dev libstb-dev libbenchmark-dev librandom123-dev libhdf5-dev)
+  nlohmann-json3-dev libstb-dev libbenchmark-dev librandom123-dev libhdf5-dev libdlpack-dev)
 case $purpose in
   demo) packages+=(ffmpeg python3-matplotlib) ;;
   ci) packages+=(git clang clang-format clang-tidy libomp-dev python3-h5py) ;;

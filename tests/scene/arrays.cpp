@@ -1,12 +1,14 @@
 // Fields of a run seen where they lie: the same numbers as by get(), at the same place after a step.
 #include "catch.hpp"
 
+#include <memory>
 #include <set>
 #include <utility>
 
 #include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/catalog.hpp>
 #include <mpmpbd/core/array.hpp>
+#include <mpmpbd/io/dlpack.hpp>
 
 using namespace mpmpbd;
 using Catch::Matchers::Contains;
@@ -66,6 +68,21 @@ TEST_CASE("what a const run shows is read-only", "[scene][arrays]") {
   CHECK(std::as_const(run).array<bead::Velocity>().read_only);
   CHECK(array_named(std::as_const(run), "bead.v").read_only);
 }
+
+#if defined(MPMPBD_HAS_DLPACK)
+TEST_CASE("a run lives as long as a tensor of its field", "[scene][arrays][dlpack]") {
+  auto run = std::make_shared<Run>(hanging());
+  auto const* const numbers = run->array<bead::Position>().data;
+  DLManagedTensor* tensor = io::to_dlpack(run->array<bead::Position>(), run);
+  std::weak_ptr<Run> const watch = run;
+  run.reset();
+  CHECK_FALSE(watch.expired());
+  CHECK(tensor->dl_tensor.data == numbers);
+  CHECK(static_cast<float const*>(tensor->dl_tensor.data)[4] == 0.04f);  // x of the last bead
+  tensor->deleter(tensor);
+  CHECK(watch.expired());
+}
+#endif
 
 TEST_CASE("a field that is not stored is refused with those that are", "[scene][arrays]") {
   auto const run = hanging();
