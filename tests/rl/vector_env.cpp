@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <mpmpbd/backend/threads.hpp>
+#include <mpmpbd/rl/arrays.hpp>
 
 #include "rl/carry_task.hpp"
 #include "support/counted_allocations.hpp"
@@ -82,6 +83,30 @@ TEST_CASE("arrays have the shapes that they say", "[rl][vector_env]") {
   CHECK(out.terms.size() == 4);
   CHECK(out.terminated.size() == 4);
   CHECK(out.episode_length == std::vector<std::int32_t>(4, 1));
+}
+
+TEST_CASE("arrays by name show every step where they lie", "[rl][vector_env][arrays]") {
+  auto c = settings();
+  c.episode.frames = 2;
+  Envs envs(c, {.num_envs = 3});
+  auto const seen = rl::observation_arrays(envs);
+  auto const paid = rl::outcome_arrays(envs);
+  REQUIRE(seen.size() == 2);
+  CHECK(seen[1].name == "heights");
+  CHECK(std::vector<std::int64_t>(seen[1].array.shape, seen[1].array.shape + seen[1].array.axes) ==
+        std::vector<std::int64_t>{3, 2, 13, 1});
+  CHECK(paid[0].name == "reward");
+  CHECK(paid[6].array.element == element_type<std::int32_t>);
+  CHECK(paid[9].array.size() == 3 * Envs::term_count);
+  for (int step = 0; step < 3; ++step) {
+    auto const& out = envs.step(wander(envs));
+    CHECK(seen[0].array.data == envs.observation<Ends>().data());
+    for (std::size_t e = 0; e < 3; ++e) {
+      CHECK(static_cast<float const*>(paid[0].array.data)[e] == out.reward[e]);
+      CHECK(static_cast<float const*>(paid[9].array.data)[e] == out.returns[e]);
+    }
+  }
+  CHECK(rl::final_observation_arrays(envs)[0].array.data == envs.final_observation<Ends>().data());
 }
 
 TEST_CASE("frames are the present observation and those before it", "[rl][vector_env]") {
