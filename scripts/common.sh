@@ -5,6 +5,7 @@
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build_root=${MPMPBD_BUILD_ROOT:-$root/build}
 jobs=${MPMPBD_JOBS:-$(nproc 2>/dev/null || echo 2)}
+python_venv="$build_root/python-venv" # Debian's Python with Gymnasium, by scripts/setup.sh python
 cuda_minimum=12.4
 cuda_wheels="$build_root/cuda-toolkit" # the compiler from PyPI, where the machine has none
 cuda_reader="$build_root/cuda-reader"  # what reads its machine code, likewise
@@ -32,6 +33,12 @@ step() {
 # Another Python may come before Debian's, for which matplotlib is installed.
 python_with_matplotlib() {
   python3 -c 'import matplotlib' 2>/dev/null && echo python3 || echo /usr/bin/python3
+}
+
+# The Python that the module is built for: Debian's, whose NumPy it uses, with Gymnasium where that was installed.
+python_of_module() {
+  [[ -x $python_venv/bin/python ]] && echo "$python_venv/bin/python" && return
+  python3 -c 'import numpy' 2>/dev/null && python3 -c 'import sys; print(sys.executable)' || echo /usr/bin/python3
 }
 
 # The version of the compiler $1, or nothing.

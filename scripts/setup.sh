@@ -6,10 +6,11 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 usage() {
   cat <<'TEXT'
-Usage: scripts/setup.sh [test|demo|ci] [--no-cuda]
+Usage: scripts/setup.sh [test|demo|python|ci]... [--no-cuda]
 
   test      compilers, build tools and libraries (default)
   demo      test, and what the demo draws with: ffmpeg, matplotlib
+  python    test, and what the Python module needs: pybind11, NumPy, h5py; Gymnasium from PyPI, if that works
   ci        test, and clang with its tools, h5py, what reads machine code of kernels
   --no-cuda do not look for a CUDA compiler
 
@@ -18,11 +19,11 @@ compiler is taken from PyPI into the build folder; if that fails, the build goes
 TEXT
 }
 
-purpose='test'
+purposes=()
 cuda=yes
 for argument in "$@"; do
   case $argument in
-    test | demo | ci) purpose=$argument ;;
+    test | demo | python | ci) purposes+=("$argument") ;;
     --no-cuda) cuda=no ;;
     -h | --help) usage && exit ;;
     *) usage >&2 && die "unknown argument '$argument'" ;;
@@ -31,10 +32,13 @@ done
 
 packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev catch2 libcli11-dev libtomlplusplus-dev
   nlohmann-json3-dev libstb-dev libbenchmark-dev librandom123-dev libhdf5-dev libdlpack-dev)
-case $purpose in
-  demo) packages+=(ffmpeg python3-matplotlib) ;;
-  ci) packages+=(git clang clang-format clang-tidy libomp-dev python3-h5py) ;;
-esac
+for purpose in "${purposes[@]}"; do
+  case $purpose in
+    demo) packages+=(ffmpeg python3-matplotlib) ;;
+    python) packages+=(pybind11-dev python3-dev python3-numpy python3-h5py python3-venv) ;;
+    ci) packages+=(git clang clang-format clang-tidy libomp-dev python3-h5py) ;;
+  esac
+done
 
 is_installed() {
   [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
@@ -89,11 +93,24 @@ install_cuda_reader() {
     timeout 120 "$cuda_reader/bin/pip" install --quiet --disable-pip-version-check --no-deps \
       --retries 1 nvidia-cuda-cuobjdump==13.2.51 nvidia-cuda-nvdisasm==13.2.51
 }
+# Gymnasium is not in Debian. The module goes without; its spaces and the tests of them do not.
+install_gymnasium() {
+  [[ -x $python_venv/bin/python ]] && return
+  if ! { /usr/bin/python3 -m venv --system-site-packages "$python_venv" &&
+    timeout 120 "$python_venv/bin/pip" install --quiet --disable-pip-version-check 'gymnasium>=1.1'; }; then
+    rm -rf "$python_venv"
+    say "no Gymnasium: its tests are skipped"
+  fi
+}
 
 if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
   install_debian "${packages[@]}"
 else
   say "not a Debian machine: please provide what these packages hold: ${packages[*]}"
+fi
+
+if [[ " ${purposes[*]} " == *' python '* ]]; then
+  install_gymnasium
 fi
 
 if [[ $cuda == yes ]]; then

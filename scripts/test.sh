@@ -17,6 +17,7 @@ device (skipped without a GPU).
   --sanitize NAME     asan-ubsan or tsan: build with it and run the tiers unit and physics,
                       with --unit only the first
   --preset NAME       another preset of CMakePresets.json (default: release)
+  --python            build the Python module and run its tests, too
   --cuda auto|on|off  what MPMPBD_CUDA is set to (default: the preset's)
   --cuda-arch LIST    GPU architectures (default: 75, which every later GPU runs too)
   --only-cuda         compile the .cu sources and stop
@@ -32,6 +33,7 @@ arch=75
 tiers=all
 long=no
 only_cuda=no
+python=no
 setup=yes
 while (($#)); do
   case $1 in
@@ -39,6 +41,7 @@ while (($#)); do
     --long) long=yes ;;
     --sanitize) sanitizer=${2:?--sanitize needs a name} && shift ;;
     --preset) preset=${2:?--preset needs a name} && shift ;;
+    --python) python=yes ;;
     --cuda) cuda=${2:?--cuda needs auto, on or off} && shift ;;
     --cuda-arch) arch=${2:?--cuda-arch needs a list} && shift ;;
     --only-cuda) only_cuda=yes ;;
@@ -60,6 +63,8 @@ case $sanitizer in
   *) die "--sanitize takes asan-ubsan or tsan, not '$sanitizer'" ;;
 esac
 
+[[ -z $sanitizer || $python == no ]] || die "--python and --sanitize do not go together: Python is not instrumented"
+
 build=$build_root/$preset
 cd "$root"
 
@@ -72,6 +77,7 @@ if [[ $setup == yes ]]; then
   else
     step "set-up" scripts/setup.sh "$purpose"
   fi
+  [[ $python == no ]] || step "set-up for Python" scripts/setup.sh python --no-cuda
 fi
 
 if [[ ${cuda,,} != off ]]; then
@@ -82,6 +88,8 @@ options=("-DCMAKE_CUDA_ARCHITECTURES=$arch")
 cuobjdump=$(find_cuobjdump)
 [[ ${cuda,,} == off || -z $cuobjdump ]] || options+=("-DMPMPBD_CUOBJDUMP=$cuobjdump")
 [[ -z $cuda ]] || options+=("-DMPMPBD_CUDA=${cuda^^}")
+options+=("-DMPMPBD_PYTHON=${python^^}")
+[[ $python == no ]] || options+=("-DPython_EXECUTABLE=$(python_of_module)")
 # What -O2 takes longer to compile with asan than the preset's -O1, only the tier physics wins back.
 if [[ $sanitizer == asan-ubsan && $tiers != unit ]]; then
   options+=("-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O2 -g1")

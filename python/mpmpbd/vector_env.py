@@ -1,0 +1,174 @@
+"""The suturing task as a vector environment: Gymnasium's words, NumPy arrays that are views of the library's memory."""
+
+import operator
+from functools import cached_property
+
+import numpy as np
+
+from mpmpbd import _core
+from mpmpbd.config import documents
+
+try:  # with Gymnasium its wrappers take this environment; without, nothing but spaces is missing
+    from gymnasium.vector import VectorEnv as _VectorEnv
+except ImportError:
+
+    class _VectorEnv:
+        def close(self):
+            pass
+
+
+def _gymnasium():
+    try:
+        import gymnasium
+    except ImportError as error:
+        raise ImportError(
+            "mpmpbd: spaces are those of gymnasium, which is not installed; install it, or use the "
+            "shapes of observations and action_size"
+        ) from error
+    return gymnasium
+
+
+class SuturingVectorEnv(_VectorEnv):
+    """N environments of the suturing task on the threads of this machine.
+
+    Every array that `reset` and `step` return is a view: the same memory each time, with the numbers of the last step.
+    Copy what you want to keep. Episode k of environment i is the same, bit for bit, for any `num_envs` and `threads`.
+
+    config: a TOML file, a dictionary ({"episode.limit": 50} or nested), or a list of these, later ones over earlier ones.
+    autoreset: "same_step" (the last observation of an episode is in info["final_obs"]), "next_step" or "disabled".
+    threads: 0 for as many as the machine has.
+
+    Observations (num_envs, frames, ...) float32 by group; actions (num_envs, 3) in [-1, 1]; reward (num_envs) float32.
+    """
+
+    def __init__(
+        self, num_envs=1, *, config=None, seed=1, autoreset="same_step", threads=0, first_environment=0
+    ):
+        self.num_envs = operator.index(num_envs)
+        self._loop = _core.SuturingLoop(
+            documents(config),
+            num_envs=self.num_envs,
+            seed=operator.index(seed),
+            autoreset=autoreset,
+            first_environment=operator.index(first_environment),
+            threads=operator.index(threads),
+        )
+        self._autoreset = autoreset
+        self._at_start = True
+        self.action_size = self._loop.action_size
+        self.decision_time = self._loop.decision_time
+        # What other libraries than NumPy may take: torch.from_dlpack(env.observation_arrays["needle_pose"]).
+        self.observation_arrays = self._loop.observations()
+        self.outcome_arrays = self._loop.outcome()
+        self._observations = _views(self.observation_arrays)
+        self._final = _views(self._loop.final_observations())
+        outcome = _views(self.outcome_arrays)
+        for flag in ("terminated", "truncated", "diverged", "invalid_action", "restarted"):
+            outcome[flag] = outcome[flag].view(np.bool_)
+        self._reward = outcome.pop("reward")
+        self._terminated = outcome.pop("terminated")
+        self._truncated = outcome.pop("truncated")
+        for table, names in (
+            ("terms", self._loop.term_names),
+            ("returns", self._loop.term_names),
+            ("metrics", self._loop.metric_names),
+        ):
+            outcome[table] = {name: outcome[table][:, k] for k, name in enumerate(names)}
+        self._info = outcome
+
+    def reset(self, *, seed=None, options=None):
+        """New episodes: everywhere, from the first one of another seed, or where options["reset_mask"] is true.
+
+        Before the first step nothing has to begin: all environments are at the start of their first episode.
+        """
+        mask = (options or {}).get("reset_mask")
+        if mask is not None:
+            if seed is not None:
+                raise ValueError("mpmpbd: a seed is of all environments; give seed or reset_mask")
+            mask = np.ascontiguousarray(mask, dtype=np.bool_)
+            self._loop.reset_where(mask.view(np.uint8))
+        elif seed is not None:
+            self._loop.reset(operator.index(seed))
+        elif not self._at_start:
+            self._loop.reset(None)
+        self._at_start = False
+        return dict(self._observations), dict(self._info)
+
+    def step(self, actions):
+        """One decision everywhere: observations, reward, terminated, truncated, info."""
+        self._loop.step(np.ascontiguousarray(actions, dtype=np.float32))
+        self._at_start = False
+        info = dict(self._info)
+        if self._autoreset == "same_step":
+            done = self._terminated | self._truncated
+            if done.any():
+                info["final_obs"] = dict(self._final)
+                info["_final_obs"] = done
+        return dict(self._observations), self._reward, self._terminated, self._truncated, info
+
+    def start(self, env, episode, stream=None):
+        """Begins a certain episode of one environment, counted from 1; with `stream`, that of another environment."""
+        self._loop.start(env, episode, env if stream is None else stream)
+        self._at_start = False
+        return dict(self._observations)
+
+    def state(self, name):
+        """A field of the scene, (env, slot, component): a read-only view. `fields` says which there are."""
+        return np.asarray(self._loop.state(name))
+
+    def live(self, domain):
+        """How many slots of a domain ("particle", "bead", ...) each environment uses; the others are zero."""
+        return self._loop.live(domain)
+
+    @property
+    def fields(self):
+        """{name: unit} of the fields of the scene."""
+        return dict(self._loop.fields)
+
+    @property
+    def config(self):
+        """All settings as TOML, as they were understood."""
+        return self._loop.config()
+
+    @property
+    def metadata(self):
+        mode = self._autoreset
+        try:
+            from gymnasium.vector import AutoresetMode
+
+            mode = AutoresetMode[mode.upper()]
+        except ImportError:
+            pass
+        return {"render_modes": [], "autoreset_mode": mode}
+
+    @cached_property
+    def single_observation_space(self):
+        spaces = _gymnasium().spaces
+        return spaces.Dict(
+            {
+                name: spaces.Box(-np.inf, np.inf, view.shape[1:], view.dtype)
+                for name, view in self._observations.items()
+            }
+        )
+
+    @cached_property
+    def single_action_space(self):
+        return _gymnasium().spaces.Box(-1.0, 1.0, (self.action_size,), np.float32)
+
+    @cached_property
+    def observation_space(self):
+        _gymnasium()
+        from gymnasium.vector.utils import batch_space
+
+        return batch_space(self.single_observation_space, self.num_envs)
+
+    @cached_property
+    def action_space(self):
+        _gymnasium()
+        from gymnasium.vector.utils import batch_space
+
+        return batch_space(self.single_action_space, self.num_envs)
+
+
+def _views(arrays):
+    return {name: np.asarray(array) for name, array in arrays.items()}
