@@ -93,6 +93,7 @@ install_cuda_reader() {
     timeout 120 "$cuda_reader/bin/pip" install --quiet --disable-pip-version-check --no-deps \
       --retries 1 nvidia-cuda-cuobjdump==13.2.51 nvidia-cuda-nvdisasm==13.2.51
 }
+
 # Gymnasium is not in Debian. The module goes without; its spaces and the tests of them do not.
 install_gymnasium() {
   [[ -x $python_venv/bin/python ]] && return
@@ -125,7 +126,7 @@ if [[ $cuda == yes ]]; then
   fi
   if [[ -n $nvcc ]]; then
     say "CUDA compiler: $nvcc ($(nvcc_version "$nvcc"))"
-    if [[ $purpose == ci && -z $(find_cuobjdump) ]] && ! install_cuda_reader; then
+    if [[ " ${purposes[*]} " == *' ci '* && -z $(find_cuobjdump) ]] && ! install_cuda_reader; then
       rm -rf "$cuda_reader"
       say "no cuobjdump: the machine code of kernels is not looked at"
     fi

@@ -37,8 +37,8 @@ TEST_CASE("the page of devices shows a step loop that runs", "[cuda][docs][rl]")
       actions[a] = a < 3 ? 0.25f : -0.25f;  // the emulated device's memory
   };
   rl::VectorEnv<rl::SuturingTask, Cuda> envs(task, {.num_envs = 2, .seed = 42});
-  auto const pose = envs.array<rl::NeedlePose>();  // pose.data: (num_envs, frames, 7)
-  policy(pose.data, envs.actions());               // a kernel of yours, in the same stream
+  auto const pose = envs.array<rl::NeedlePose>();  // (num_envs, frames, 7), on the device
+  policy(pose.as<float const>(), envs.actions());  // a kernel of yours, in the same stream
   envs.step_from(envs.actions());                  // copies nothing, waits for nothing
   float const* reward = envs.arrays().reward;      // (num_envs)
   auto const& out = envs.outcome();                // fetched: the words of the host

@@ -38,7 +38,7 @@ std::vector<float> actions(auto const& envs, int decision) {
 // What fixed point leaves in a particle's velocity after some steps [m/s]: as in resident_scenes.cpp.
 double rounding(tilt::Settings const& c, int steps) {
   double const substeps = c.substeps * steps;
-  return 5.0 * 27 / std::sqrt(12.0) / double(cuda::FixedPoint::scale) * std::sqrt(substeps) *
+  return 5.0 * 27 / std::sqrt(12.0) / double(cuda::FixedPoint<float>::scale) * std::sqrt(substeps) *
          c.cell * c.substeps / c.step;
 }
 template <class Numbers> double difference(Numbers const& a, Numbers const& b) {
@@ -215,13 +215,16 @@ TEST_CASE("what a step loop shows and pays lies on the device", "[cuda][rl][arra
   OnDevice envs({}, {.num_envs = 2}, small);
   auto const middle = envs.array<Middle>();
   auto const heights = envs.array<Heights>();
-  CHECK(middle.shape == std::vector<std::int64_t>{2, 2, 4});
-  CHECK(heights.shape == std::vector<std::int64_t>{2, 2, 144, 1});
+  auto const shape = [](Array const& a) { return std::vector(a.shape, a.shape + a.axes); };
+  CHECK(shape(middle) == std::vector<std::int64_t>{2, 2, 4});
+  CHECK(shape(heights) == std::vector<std::int64_t>{2, 2, 144, 1});
+  CHECK(middle.place.memory == Memory::cuda);
+  CHECK_THROWS_AS(middle.as<double>(), std::invalid_argument);
   CHECK(envs.arrays().term_count == 2);
   auto const* reward = envs.arrays().reward;
   envs.step(actions(envs, 0));
   auto const shown = envs.observation<Middle>();
-  CHECK(std::equal(shown.begin(), shown.end(), middle.data));
+  CHECK(std::equal(shown.begin(), shown.end(), middle.as<float const>()));
   CHECK(reward[1] == envs.outcome().reward[1]);
   CHECK(reward[1] != 0.0f);
   CHECK(envs.metric<tilt::Reached>(0) == envs.arrays().metrics[0]);

@@ -39,7 +39,7 @@ template <class Group, class A, class B> std::pair<double, double> compare(A con
 double rounding(rl::SuturingTaskConfig const& c) {
   auto const& time = c.scene.time;
   double const steps = c.episode.decision_interval * 3;  // of what is looked at here
-  double const v = 5.0 * 27 / std::sqrt(12.0) / double(cuda::FixedPoint::scale) *
+  double const v = 5.0 * 27 / std::sqrt(12.0) / double(cuda::FixedPoint<float>::scale) *
                    std::sqrt(time.substeps * steps) * c.scene.domain.cell_size * time.substeps /
                    time.step;
   return v * steps * time.step;

@@ -55,6 +55,14 @@ struct Array {
     for (int a = 0; a < axes; ++a) n *= shape[a];
     return n;
   }
+  // As numbers of their own type; throws std::invalid_argument for another.
+  template <class E> E* as() const {
+    if (element_type<std::remove_const_t<E>> != element)
+      throw std::invalid_argument("mpmpbd: an array of numbers of " +
+                                  std::to_string(element.bytes) +
+                                  " bytes was asked for as another type; see `element`");
+    return static_cast<E*>(data);
+  }
 };
 
 struct NamedArray {

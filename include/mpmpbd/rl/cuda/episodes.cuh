@@ -101,8 +101,8 @@ void EpisodesOnDevice<Task, T>::begin(Sim& sim, EpisodeRules const& rules,
   cuda::OnDevice const here(where_.device);
   EpisodeLaunch<Task> const launch{sim.on_device(), rules,    outcome_, groups_, begins_,
                                    acts_,           actions_, 0.0,      asked};
-  cuda::start(static_cast<cudaStream_t>(where_.stream), "episodes", between_steps<Task>, sim.environments(), 128, 0, launch,
-               Moment::begin);
+  cuda::start(static_cast<cudaStream_t>(where_.stream), "episodes", between_steps<Task>,
+              sim.environments(), 128, 0, launch, Moment::begin);
 }
 template <class Task, class T>
 void EpisodesOnDevice<Task, T>::decide(Sim& sim, EpisodeRules const& rules, float const* actions,
@@ -111,8 +111,8 @@ void EpisodesOnDevice<Task, T>::decide(Sim& sim, EpisodeRules const& rules, floa
   EpisodeLaunch<Task> const launch{sim.on_device(), rules,   outcome_, groups_, begins_,
                                    acts_,           actions, h,        {}};
   auto const meet = [&](Moment moment) {
-    cuda::start(static_cast<cudaStream_t>(where_.stream), "a decision", between_steps<Task>, sim.environments(), 128, 0, launch,
-                 moment);
+    cuda::start(static_cast<cudaStream_t>(where_.stream), "a decision", between_steps<Task>,
+                sim.environments(), 128, 0, launch, moment);
   };
   meet(Moment::decide);
   for (int i = 0; i < steps; ++i) {

@@ -1,9 +1,9 @@
 // The step loop on a CUDA device: the words of rl/vector_env.hpp, and the same arrays where they lie.
 //
 //   rl::VectorEnv<SuturingTask, Cuda> envs(config, {.num_envs = 1024, .seed = 42});
-//   auto const pose = envs.array<NeedlePose>();          // pose.data: (num_envs, frames, 7) on the device
+//   auto const pose = envs.array<NeedlePose>();          // (num_envs, frames, 7) on the device
 //   for (;;) {
-//     policy<<<...>>>(pose.data, envs.actions());        // in the same stream
+//     policy<<<...>>>(pose.as<float const>(), envs.actions());   // in the same stream
 //     envs.step_from(envs.actions());                    // envs.arrays().reward, ...
 //   }
 //
@@ -17,12 +17,6 @@
 #include <mpmpbd/rl/vector_env.hpp>
 
 namespace mpmpbd::rl {
-
-// Numbers in the memory of a device, contiguous, the last axis fastest.
-template <class Element> struct ArrayOnDevice {
-  Element* data;
-  std::vector<std::int64_t> shape;
-};
 
 namespace detail {
 template <class List> inline constexpr bool none_is_drawn = true;
@@ -71,8 +65,8 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
 
   // In the memory of the device, valid as long as this; all work is in the order of `Cuda::stream`. What was shown and
   // paid is there when the step is done.
-  template <class Group> auto array() const { return shaped<Group>(view<Group>().now); }
-  template <class Group> auto final_array() const { return shaped<Group>(view<Group>().last); }
+  template <class Group> Array array() const { return shaped<Group>(view<Group>().now); }
+  template <class Group> Array final_array() const { return shaped<Group>(view<Group>().last); }
   OutcomeArrays const& arrays() const { return episodes_.outcome(); }
   // A place for actions, (num_envs, action_size).
   float* actions() { return episodes_.actions(); }
@@ -144,10 +138,10 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
   template <class Group> auto const& view() const {
     return episodes_.groups().template of<Group>();
   }
-  template <class Group, class Element> auto shaped(Element* data) const {
+  template <class Group, class Element> Array shaped(Element* data) const {
     std::vector<std::int64_t> all{num_envs(), view<Group>().frames};
     all.insert(all.end(), shape<Group>().begin(), shape<Group>().end());
-    return ArrayOnDevice<Element const>{data, all};
+    return contiguous_array(static_cast<Element const*>(data), all, episodes_.place());
   }
   template <class Group> auto const& fetched() const {
     fetch();
