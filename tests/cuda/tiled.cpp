@@ -1,5 +1,7 @@
 // The tiled form on an emulated device: it gives the bits of the resident form, and moves grids that no block holds.
-// seconds: 20
+// seconds: 25
+#include <mpmpbd/mpm/transfer/flip.hpp>
+
 #include "catch.hpp"
 #include "cuda/scenes.hpp"
 #include "cuda/suturing.hpp"
@@ -7,6 +9,8 @@
 using namespace test;
 
 namespace {
+
+struct Splashing : Scene<Mpm<NeoHookean, Flip>, Gravity, Floor> {};
 
 constexpr Cuda resident{.execution = Cuda::Execution::resident};
 constexpr Cuda tiled{.execution = Cuda::Execution::tiled};
@@ -142,6 +146,47 @@ TEMPLATE_TEST_CASE("a scene in double moves on a device as it does on the host",
   for (std::int64_t env : {0, 1}) CHECK(device.status(env) == host.status(env));
 }
 
+// Particles keep what the grid cannot see, so their roundings stay: two grids' in every substep.
+TEMPLATE_TEST_CASE("FLIP moves on a device as it does on the host", "[cuda][tiled][flip]", float,
+                   double) {
+  auto host = made<Simulation<Splashing, Serial, TestType>>(2);
+  auto device = made<Simulation<Splashing, Cuda, TestType>>(2),
+       other = made<Simulation<Splashing, Cuda, TestType>>(2, narrow);
+  for (auto* run : {&device, &other}) CHECK(run->execution().find("tiled: FLIP") == 0);
+  host.template set<Flip>({0.95});
+  device.template set<Flip>({0.95});
+  other.template set<Flip>({0.95});
+  int const steps = 3;
+  for (int s = 0; s < steps; ++s) host.step(step), device.step(step), other.step(step);
+  double const v = std::sqrt(2.0) * rounding<Splashing>(steps) *
+                   double(cuda::FixedPoint<float>::scale / cuda::FixedPoint<TestType>::scale);
+  CHECK(difference<particle::Velocity>(read(device), read(host)) < v);
+  CHECK(difference<particle::Position>(read(device), read(host)) < v * steps * step);
+  CHECK(same_everywhere(device, other));
+  for (std::int64_t env : {0, 1}) CHECK(device.status(env) == host.status(env));
+}
+
+// Neither grid wraps: a particle brings no more than a cell per substep to both, and FLIP leaves it 0.95 of what is beyond.
+TEST_CASE("FLIP of what is far too fast stays whole on a device", "[cuda][tiled][flip]") {
+  auto run = made<Simulation<Splashing, Cuda, float>>(1);
+  run.set<Flip>({0.95});
+  auto const cell = float(dx * substeps / step);  // [m/s]
+  for (std::int64_t p = 0; p < 20 * 12 * 10; ++p)
+    run.state().set<particle::Velocity>(0, p, {{200.0f * cell, 0.0f, 0.0f}});
+  run.step(step);
+  CHECK(has(run.status(0), Fault::speed));
+  CHECK_FALSE(has(run.status(0), Fault::not_finite));
+  double const left = 1.0 + std::pow(0.95, substeps) * 199.0;  // [cells per substep]
+  float least = 1e9f, most = 0.0f;
+  for (std::int64_t p = 0; p < 20 * 12 * 10; ++p) {
+    auto const v = read(run).get<particle::Velocity>(0, p);
+    least = std::min(least, v[0] / cell);
+    most = std::max(most, v[0] / cell);
+  }
+  CHECK(least > left - 4.0);
+  CHECK(most < left + 4.0);
+}
+
 TEST_CASE("a step in tiled form is a row of launches and takes no memory",
           "[cuda][tiled][resources]") {
   auto run = made<Simulation<Alone, Cuda, float>>(2, tiled);
@@ -171,7 +216,7 @@ TEST_CASE("the form of execution follows from the device, unless it is asked for
   CHECK(refusal(vast, {}).find("1073741824 nodes") != std::string::npos);
   // States and grids are asked for at once: more than there is for all of them takes nothing.
   CHECK_THROWS_WITH((Simulation<Alone, Cuda, double>(small, resident)),
-                    Catch::Contains("of double asked for"));
+                    Catch::Contains("resident execution asked for"));
   emulated::free_bytes = 2 * 32 * 28 * 28 * 28;
   CHECK(refusal(large<Alone>(), {}).find("MiB needed") != std::string::npos);
   emulated::free_bytes = std::size_t{1} << 34;

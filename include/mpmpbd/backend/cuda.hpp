@@ -29,7 +29,7 @@ namespace cuda {
 template <class Scene, class T> struct StateOnDevice;  // in backend/cuda/simulation.cuh
 }
 
-// Limits: no FLIP, no linear splines; double runs tiled.
+// Limits: no linear splines; double and FLIP run tiled.
 template <class Scene, class Backend, class T> class Simulation;
 template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private RunState<Scene_, T> {
   using Base = RunState<Scene_, T>;

@@ -117,9 +117,11 @@ template <class Body> struct Scatter {
     for (int l = 0; l < lanes<T>; ++l)
       add<false>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
     if constexpr (Transfer::needs_previous_grid) {
-      to_each(momentum<false, false>(p, s, lattice, dt), carried);
+      detail::LaneMomentum<S> before[lanes<T>]{};
+      to_each(momentum<false, false>(p, s, lattice, dt), before);
+      if constexpr (requires { grid.in_counts(before[0].value); }) faults |= count(before[0], grid);
       for (int l = 0; l < lanes<T>; ++l)
-        add<true>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
+        add<true>(grid, s.of_lane(l).base, w.of_lane(l), before[l]);
     }
     return faults;
   }

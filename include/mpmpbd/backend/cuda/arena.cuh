@@ -79,10 +79,13 @@ template <class T> struct FixedRow {
     return {x + n, y + n, z + n, mass + n};
   }
   __device__ __forceinline__ void add(int n, Quad<T> const& counts) const {
+    add_momentum(n, counts);
+    add_to(mass + n, counts[3]);
+  }
+  __device__ __forceinline__ void add_momentum(int n, Quad<T> const& counts) const {
     add_to(x + n, counts[0]);
     add_to(y + n, counts[1]);
     add_to(z + n, counts[2]);
-    add_to(mass + n, counts[3]);
   }
 
  private:
@@ -130,25 +133,31 @@ template <class T> struct VelocitiesOfArena {
   }
 };
 
-// Velocities of a run of nodes from their sums, then the scene's forces and boundaries; clears the sums. Returns the
-// faults met.
+// Velocities of a run of nodes from their sums, then the scene's forces and boundaries; clears the sums. `before`: the grid
+// before the forces, where the transfer asks for it. Returns the faults met.
 template <class Stage, class T, class Ctx>
 __device__ __forceinline__ std::uint32_t move_nodes(Arena<T> const& arena, Run const& nodes,
-                                                    Ctx const& context, FixedPoint<T> const& unit) {
+                                                    Ctx const& context, FixedPoint<T> const& unit,
+                                                    Arena<T> const& before = {}) {
   using Unsigned = typename NumbersOf<T>::Unsigned;
   using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Nodes>;
   constexpr auto most = static_cast<Unsigned>(FixedPoint<T>::most_masses * FixedPoint<T>::scale);
   auto const& lattice = context.lattice;
+  constexpr bool looks_back = contains<Used, node::PreviousMomentum>;
+  int const plane = arena.count;
+  auto const momentum = [&](auto const* sum) {
+    return vec(static_cast<T>(sum[0]) * unit.inverse_momentum,
+               static_cast<T>(sum[plane]) * unit.inverse_momentum,
+               static_cast<T>(sum[2 * plane]) * unit.inverse_momentum);
+  };
   bool crowded = false;
   nodes.each([&](int i) {
     auto* const sum = arena.sums + i;
-    int const plane = arena.count;
     auto const mass = static_cast<Unsigned>(sum[3 * plane]);
     crowded = crowded || mass > most;
     Local<T, Used> n;
-    n[node::Momentum{}] = {{static_cast<T>(sum[0]) * unit.inverse_momentum,
-                            static_cast<T>(sum[plane]) * unit.inverse_momentum,
-                            static_cast<T>(sum[2 * plane]) * unit.inverse_momentum}};
+    n[node::Momentum{}] = momentum(sum);
+    if constexpr (looks_back) n[node::PreviousMomentum{}] = momentum(before.sums + i);
     n[node::Mass{}] = static_cast<T>(mass) * unit.inverse_mass;
     int const x = i % lattice.nodes[0], yz = i / lattice.nodes[0];
     n[node::Position{}] = lattice.position(x, yz % lattice.nodes[1], yz / lattice.nodes[1]);
@@ -156,6 +165,11 @@ __device__ __forceinline__ std::uint32_t move_nodes(Arena<T> const& arena, Run c
     Vec3<T> const v = n[node::Velocity{}];
     arena.velocity[i] = {v[0], v[1], v[2], n[node::Mass{}]};
     for (int c = 0; c < 4; ++c) sum[c * plane] = 0;
+    if constexpr (looks_back) {
+      Vec3<T> const u = n[node::PreviousVelocity{}];
+      before.velocity[i] = {u[0], u[1], u[2], T(0)};
+      for (int c = 0; c < 3; ++c) before.sums[i + c * plane] = 0;
+    }
   });
   return crowded ? static_cast<std::uint32_t>(Fault::overflow) : 0u;
 }

@@ -3,6 +3,7 @@
 
 #include <mpmpbd/backend/cuda/arena.cuh>
 #include <mpmpbd/backend/cuda/launch.cuh>
+#include <mpmpbd/backend/cuda/previous_grid.cuh>
 
 namespace mpmpbd::cuda {
 
@@ -42,6 +43,7 @@ template <class Scene, class T> struct ParticlePasses {
   Launch<Scene, T> const& launch;
   Arena<T> arena;
   FixedPoint<T> unit;
+  Arena<T> before{};  // where the transfer needs the previous grid
 
   __device__ __forceinline__ void scatter(std::int64_t index, Ctx const& next, Met& met) const {
     visit<Single<P2G>>(index, [&](auto& p) { met.next |= P2G::run(p, sums(), next); });
@@ -58,11 +60,18 @@ template <class Scene, class T> struct ParticlePasses {
   }
 
  private:
+  static constexpr bool looks_back = Body::Transfer::needs_previous_grid;
   __device__ __forceinline__ auto sums() const {
-    return SumsOfArena<T>{arena, launch.lattice, unit};
+    if constexpr (looks_back)
+      return SumsOfBoth<T>{{arena, launch.lattice, unit}, before};
+    else
+      return SumsOfArena<T>{arena, launch.lattice, unit};
   }
   __device__ __forceinline__ auto velocities() const {
-    return VelocitiesOfArena<T>{arena, launch.lattice};
+    if constexpr (looks_back)
+      return VelocitiesOfBoth<T>{{arena, launch.lattice}, before};
+    else
+      return VelocitiesOfArena<T>{arena, launch.lattice};
   }
   template <class Pass, class Function>
   __device__ __forceinline__ void visit(std::int64_t index, Function const& f) const {

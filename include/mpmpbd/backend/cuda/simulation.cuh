@@ -71,10 +71,6 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
       "mpmpbd Simulation<Scene, Cuda>: threads without tissue do not run on a device yet; take "
       "Serial or Threads");
   static_assert(
-      !Scene_::Body::Transfer::needs_previous_grid,
-      "mpmpbd Simulation<Scene, Cuda>: FLIP needs the grid before forces too, which a device does "
-      "not keep yet; take Apic, Tpic or Pic");
-  static_assert(
       has_bounded_stiffness<typename Scene_::Body>,
       "mpmpbd Simulation<Scene, Cuda>: the stable step of linear splines hangs on who shares a "
       "node, which is not looked at on a device yet; take QuadraticBSpline or CubicBSpline");
@@ -82,8 +78,9 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   using Tables = cuda::TablesOf<Scene, T>;
   using Block = cuda::ResidentBlock<Scene>;
   static constexpr int fewest_threads = cuda::Couple<Scene, T>::team_size, most_threads = 512;
-  // Shared memory adds 32-bit integers at once, those of 64 bits in a loop.
-  static constexpr bool may_be_resident = std::is_same_v<T, float>;
+  // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
+  static constexpr bool looks_back = Scene_::Body::Transfer::needs_previous_grid;
+  static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
   using Tiled = cuda::TiledSteps<Scene, T, most_threads>;
 
   Cuda where;
@@ -131,6 +128,9 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
 
   bool fits() const { return may_be_resident && shared_bytes <= shared_limit; }
   std::string execution() const {
+    if (looks_back)
+      return "tiled: FLIP needs the grid before forces too, which does not fit beside the grid in "
+             "shared memory";
     if (!may_be_resident)
       return "tiled: sums of double take 64 bits, which a device adds at once in its own memory only";
     std::string const takes = "the grid of an environment takes " + std::to_string(shared_bytes) +
@@ -142,8 +142,8 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   }
   void prepare_resident() const {
     if constexpr (!may_be_resident) {
-      throw std::invalid_argument("mpmpbd Cuda: resident execution of double asked for; " +
-                                  execution() + ". Take float, or tiled execution");
+      throw std::invalid_argument("mpmpbd Cuda: resident execution asked for; " + execution() +
+                                  ". Take tiled execution");
     } else {
       if (!fits())
         throw std::runtime_error("mpmpbd Cuda: " + execution() +

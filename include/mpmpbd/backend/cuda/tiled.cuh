@@ -8,7 +8,7 @@
 // particles: gather and scatter at once, in the last substep gather alone. An environment that does not move, is lost or
 // is done skips the rest. Sums, stages and the bookkeeping of a step are those of the resident form, so bits are too.
 //
-// Limits: no FLIP. Where environments choose their substeps, how many launches there are is read back once per step.
+// Limits: where environments choose their substeps, how many launches there are is read back once per step.
 #pragma once
 
 #include <mpmpbd/backend/cuda/couple.cuh>
@@ -28,6 +28,9 @@ template <class Scene, class T> struct TiledLaunch {
   TiledRecord<Scene, T>* records;  // per environment
   char* grids;                     // per environment; sums are zero between two steps
   int* most_substeps;              // of any environment
+
+  // Grids of an environment: a second one, before forces, where the transfer asks for it.
+  static constexpr int grids_of_one = Scene::Body::Transfer::needs_previous_grid ? 2 : 1;
 };
 
 // The environment of this block, and its place among the blocks of that environment.
@@ -42,9 +45,12 @@ template <class Scene, class T> struct TiledBlock {
     return {launch, block / parts, block % parts};
   }
   __device__ Record& record() const { return launch.records[env]; }
-  __device__ Arena<T> arena() const {
-    auto const count = launch.step.lattice.count();
-    return Arena<T>::at(launch.grids + env * Arena<T>::bytes(count), static_cast<int>(count));
+  __device__ Arena<T> arena() const { return grid(0); }
+  __device__ Arena<T> before() const {
+    if constexpr (TiledLaunch<Scene, T>::grids_of_one == 2)
+      return grid(1);
+    else
+      return {};
   }
   // As many of `count` items as the block has threads.
   __device__ Run items(int count) const {
@@ -54,6 +60,13 @@ template <class Scene, class T> struct TiledBlock {
   __device__ Run particles() const { return items(launch.step.live_particles(env)); }
   // Whether substep s belongs to the step of this environment.
   __device__ bool has(int s) const { return record().moves && s < record().clock.substeps; }
+
+ private:
+  __device__ Arena<T> grid(int which) const {
+    auto const count = launch.step.lattice.count();
+    auto const number = env * TiledLaunch<Scene, T>::grids_of_one + which;
+    return Arena<T>::at(launch.grids + number * Arena<T>::bytes(count), static_cast<int>(count));
+  }
 };
 
 // Finds what bounds the step of an environment, and what is at fault in its particles.
@@ -80,7 +93,7 @@ __global__ void __launch_bounds__(threads)
   auto const clock = record.clock;
   auto const context = record.context;
   auto const at = [&](int n) { return StepRecord<Scene, T>::at(context, clock, n); };
-  ParticlePasses<Scene, T> const passes{launch.step, block.arena(), record.unit};
+  ParticlePasses<Scene, T> const passes{launch.step, block.arena(), record.unit, block.before()};
   Met met;
   block.particles().each([&](int slot) {
     std::int64_t const index = launch.step.first_particle(block.env) + slot;
@@ -103,7 +116,9 @@ __global__ void tiled_nodes(__grid_constant__ TiledLaunch<Scene, T> const launch
   if (!block.has(s)) return;
   auto& record = block.record();
   auto const arena = block.arena();
-  record.note(move_nodes<Move>(arena, block.items(arena.count), record.at(s), record.unit), s);
+  record.note(
+      move_nodes<Move>(arena, block.items(arena.count), record.at(s), record.unit, block.before()),
+      s);
 }
 
 // What concerns an environment as a whole, by one block each: its step is opened, its substeps are chosen, what the
@@ -185,8 +200,8 @@ template <class Scene, class T, int most_threads> class TiledSteps {
   static constexpr std::int64_t most_nodes = std::int64_t{1} << 29;
 
   static std::size_t bytes(std::int64_t environments, std::int64_t nodes) {
-    return grids_at(environments) + static_cast<std::size_t>(environments) *
-                                        static_cast<std::size_t>(Arena<T>::bytes(nodes));
+    auto const grids = environments * TiledLaunch<Scene, T>::grids_of_one;
+    return grids_at(environments) + static_cast<std::size_t>(grids * Arena<T>::bytes(nodes));
   }
   TiledSteps() = default;
   TiledSteps(std::int64_t environments, std::int64_t nodes, cudaStream_t stream)
