@@ -30,6 +30,8 @@ for argument in "$@"; do
   esac
 done
 
+is_for() { [[ " ${purposes[*]} " == *" $1 "* ]]; }
+
 packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev catch2 libcli11-dev libtomlplusplus-dev
   nlohmann-json3-dev libstb-dev libbenchmark-dev librandom123-dev libhdf5-dev libdlpack-dev)
 for purpose in "${purposes[@]}"; do
@@ -110,7 +112,7 @@ else
   say "not a Debian machine: please provide what these packages hold: ${packages[*]}"
 fi
 
-if [[ " ${purposes[*]} " == *' python '* ]]; then
+if is_for python; then
   install_gymnasium
 fi
 
@@ -126,7 +128,7 @@ if [[ $cuda == yes ]]; then
   fi
   if [[ -n $nvcc ]]; then
     say "CUDA compiler: $nvcc ($(nvcc_version "$nvcc"))"
-    if [[ " ${purposes[*]} " == *' ci '* && -z $(find_cuobjdump) ]] && ! install_cuda_reader; then
+    if is_for ci && [[ -z $(find_cuobjdump) ]] && ! install_cuda_reader; then
       rm -rf "$cuda_reader"
       say "no cuobjdump: the machine code of kernels is not looked at"
     fi
