@@ -6,6 +6,7 @@
 #include "held_sheet.hpp"
 #include "support/sanitized.hpp"
 
+#include <mpmpbd/coupling/embedded_arrays.hpp>
 #include <mpmpbd/surface/sheet_picture.hpp>
 
 using namespace mpmpbd;
@@ -286,6 +287,29 @@ TEMPLATE_TEST_CASE(
   auto const once = held.items.template planes<sheet::Item>();
   REQUIRE(held.columns().build(held.sheet()) == 0);
   REQUIRE(once == held.items.template planes<sheet::Item>());
+}
+
+namespace {
+// Lanes that come in the opposite order.
+struct Backwards : mpmpbd::Solo {
+  template <class F> void each(int n, F const& f) const {
+    while (n-- > 0) f(n);
+  }
+};
+}  // namespace
+
+TEST_CASE("the lists of columns do not depend on who comes first", "[surface][columns]") {
+  auto held = held_block<float>();
+  auto const expected = held.columns();
+  auto const n = static_cast<std::size_t>(expected.columns()) + 1;
+  std::vector<int> first(n, 77), item(static_cast<std::size_t>(expected.capacity), 77);
+  auto const columns = make_columns(expected.origin, 1 / expected.inverse_width, expected.count[0],
+                                    expected.count[1], expected.margin, IntegerRow{first.data()},
+                                    IntegerRow{item.data()}, expected.capacity);
+  REQUIRE(columns.build(Backwards{}, held.sheet()) == 0);
+  for (std::size_t c = 0; c < n; ++c) REQUIRE(first[c] == expected.first(std::int64_t(c)));
+  REQUIRE(first.back() > 1000);
+  for (int k = 0; k < first.back(); ++k) REQUIRE(item[std::size_t(k)] == expected.item(k));
 }
 
 TEST_CASE("too few items for the columns sets the overflow bit and writes nothing beyond",

@@ -24,9 +24,10 @@ struct BodyCounts {
 };
 
 struct IntegerRow {
-  std::int64_t* data;
+  int* data;
   MPMPBD_HD std::int64_t operator()(std::int64_t i) const { return data[i]; }
-  MPMPBD_HD void set(std::int64_t i, std::int64_t v) const { data[i] = v; }
+  MPMPBD_HD void set(std::int64_t i, std::int64_t v) const { data[i] = static_cast<int>(v); }
+  MPMPBD_HD int& entry(std::int64_t i) const { return data[i]; }
 };
 
 template <class T, class Form> struct EmbeddedArrays {
@@ -46,8 +47,8 @@ template <class T, class Form> struct EmbeddedArrays {
   // Cuts the arrays from `memory` (null: only measures). Returns the bytes used.
   MPMPBD_HD std::size_t cut(void* memory, BodyCounts const& n) {
     detail::Cutter cutter{static_cast<char*>(memory)};
-    column_first = {cutter.cut<std::int64_t>(static_cast<int>(n.columns() + 1))};
-    column_item = {cutter.cut<std::int64_t>(static_cast<int>(n.column_items()))};
+    column_first = {cutter.cut<int>(static_cast<int>(n.columns() + 1))};
+    column_item = {cutter.cut<int>(static_cast<int>(n.column_items()))};
     position = cutter.cut<Vec3<T>>(n.beads);
     velocity = cutter.cut<Vec3<T>>(n.beads);
     mass = cutter.cut<T>(n.beads);

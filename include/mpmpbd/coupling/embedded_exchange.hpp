@@ -386,8 +386,7 @@ template <class In> struct ExchangeImpulses {
       auto const sheet = detail::sheet_of_environment(env);
       auto const columns = detail::sheet_columns(n, context.lattice, a.column_first, a.column_item);
       auto const channels = detail::channels_of_environment(env);
-      if (context.tick.substep == 0) team.one([&] { faults |= columns.build(sheet); });
-      team.sync();
+      if (context.tick.substep == 0) faults |= columns.build(team, sheet);
       auto const member = detail::row<channel::Member<ContactPoints>>(env);
       team.each(x.thread_points(), [&](int k) { detail::look_aside(x, grid, a.aside, k); });
       team.sync();

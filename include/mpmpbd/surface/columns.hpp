@@ -2,12 +2,15 @@
 // it.
 //
 // Scratch, rebuilt when the sheet has moved by `margin` (a substep moves it by much less than a
-// cell, so once per step is enough); serial and in triangle order, so the lists never depend on a
-// race. A column holds each of its triangles once, which is what counting the crossings of a
-// vertical ray needs.
+// cell, so once per step is enough), by all lanes of a team; every list is in triangle order, so it
+// does not depend on who came first. A column holds each of its triangles once, which is what
+// counting the crossings of a vertical ray needs.
 #pragma once
 
+#include <type_traits>
+
 #include <mpmpbd/core/status.hpp>
+#include <mpmpbd/coupling/team.hpp>
 #include <mpmpbd/surface/sheet.hpp>
 
 namespace mpmpbd {
@@ -58,39 +61,83 @@ template <class T, class Firsts, class Items> struct Columns {
       }
   }
 
-  // Builds the lists; returns Fault::overflow when they do not fit (the triangles left out are then
-  // not seen, so the environment's results are not to be used).
+  // Builds the lists; returns Fault::overflow when they do not fit (no triangle is seen then, so the
+  // environment's results are not to be used).
   template <class S> MPMPBD_HD std::uint32_t build(S const& sheet) const {
-    std::int64_t const n = columns();
-    for (std::int64_t c = 0; c <= n; ++c) first.set(c, 0);
-    for_each_overlap(sheet,
-                     [&](std::int64_t c, std::int64_t) { first.set(c + 1, first(c + 1) + 1); });
-    for (std::int64_t c = 0; c < n; ++c) first.set(c + 1, first(c + 1) + first(c));
-    std::uint32_t const faults =
-        first(n) > capacity ? static_cast<std::uint32_t>(Fault::overflow) : 0u;
-    // Fill with `first` as the cursor of each column, then move it back by one column.
-    for_each_overlap(sheet, [&](std::int64_t c, std::int64_t k) {
-      std::int64_t const at = first(c);
-      if (at < capacity) item.set(at, k);
-      first.set(c, at + 1);
+    return build(Solo{}, sheet);
+  }
+  template <class Team_, class S>
+  MPMPBD_HD std::uint32_t build(Team_ const& team, S const& sheet) const {
+    int const n = static_cast<int>(columns()), triangles = static_cast<int>(sheet.triangles);
+    team.each(n + 1, [&](int c) { first.set(c, 0); });
+    team.sync();
+    team.each(triangles, [&](int k) {
+      for_each_overlap(sheet, k, [&](std::int64_t c) { add(team, c + 1); });
     });
-    for (std::int64_t c = n; c > 0; --c) first.set(c, min(first(c - 1), capacity));
-    first.set(0, 0);
-    return faults;
+    team.sync();
+    team.one([&] { number_items(); });
+    team.sync();
+    bool const fits = first(0) == 0;
+    team.sync();
+    if (!fits) {
+      team.each(n + 1, [&](int c) { first.set(c, 0); });
+      team.sync();
+      return static_cast<std::uint32_t>(Fault::overflow);
+    }
+    // The entry after a column's is its cursor, which ends where the next one's list begins.
+    team.each(triangles, [&](int k) {
+      for_each_overlap(sheet, k, [&](std::int64_t c) { item.set(add(team, c + 1), k); });
+    });
+    team.sync();
+    team.each(n, [&](int c) { sort(first(c), first(c + 1)); });
+    team.sync();
+    return 0u;
   }
 
  private:
-  template <class S, class F> MPMPBD_HD void for_each_overlap(S const& sheet, F&& f) const {
-    for (std::int64_t k = 0; k < sheet.triangles; ++k) {
-      auto const t = sheet.triangle(k);
-      int range[2][2];
-      for (int a = 0; a < 2; ++a) {
-        range[a][0] = column(a, min(t.a[a], min(t.b[a], t.c[a])) - margin);
-        range[a][1] = column(a, max(t.a[a], max(t.b[a], t.c[a])) + margin);
-      }
-      for (int j = range[1][0]; j <= range[1][1]; ++j)
-        for (int i = range[0][0]; i <= range[0][1]; ++i) f(index(i, j), k);
+  // Adds 1 to an entry, to which other lanes may add as well; returns what it was.
+  template <class Team_> MPMPBD_HD std::int64_t add(Team_ const& team, std::int64_t c) const {
+    if constexpr (requires { first.entry(c); }) {
+      return team.add(first.entry(c), 1);
+    } else {
+      static_assert(std::is_same_v<Team_, Solo>,
+                    "mpmpbd Columns: lists of 64-bit fields are built by one lane; give rows with "
+                    "`int& entry(i)` to a team of several");
+      std::int64_t const before = first(c);
+      first.set(c, before + 1);
+      return before;
     }
+  }
+  // From how many items a column has, which stands in the entry after its own, to its first one there.
+  // Entry 0 is not 0 where they do not fit.
+  MPMPBD_HD void number_items() const {
+    std::int64_t sum = 0;
+    for (std::int64_t c = 0; c < columns(); ++c) {
+      std::int64_t const own = first(c + 1);
+      first.set(c + 1, sum);
+      sum += own;
+    }
+    if (sum > capacity) first.set(0, 1);
+  }
+  // Puts a list, which is short and mostly in order, into the order of the triangles.
+  MPMPBD_HD void sort(std::int64_t begin, std::int64_t end) const {
+    for (std::int64_t i = begin + 1; i < end; ++i) {
+      std::int64_t const k = item(i);
+      std::int64_t at = i;
+      for (; at > begin && item(at - 1) > k; --at) item.set(at, item(at - 1));
+      if (at < i) item.set(at, k);
+    }
+  }
+  template <class S, class F>
+  MPMPBD_HD void for_each_overlap(S const& sheet, std::int64_t k, F&& f) const {
+    auto const t = sheet.triangle(k);
+    int range[2][2];
+    for (int a = 0; a < 2; ++a) {
+      range[a][0] = column(a, min(t.a[a], min(t.b[a], t.c[a])) - margin);
+      range[a][1] = column(a, max(t.a[a], max(t.b[a], t.c[a])) + margin);
+    }
+    for (int j = range[1][0]; j <= range[1][1]; ++j)
+      for (int i = range[0][0]; i <= range[0][1]; ++i) f(index(i, j));
   }
 };
 
