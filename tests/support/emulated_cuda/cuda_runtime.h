@@ -89,6 +89,17 @@ class Block {
     unsigned const self = threadIdx.x;
     swapcontext(&fibers_[self].context, &scheduler_);
   }
+  // Whether any thread brings something else than 0.
+  bool any(bool value) {
+    auto const all_are_here = [this] { wait(0, static_cast<unsigned>(fibers_.size())); };
+    all_are_here();
+    any_ = any_ || value;
+    all_are_here();
+    bool const result = any_;
+    all_are_here();
+    any_ = false;
+    return result;
+  }
   // What all lanes of the present warp bring, by lane.
   std::vector<int> const& gather(int value) {
     unsigned const warp = threadIdx.x / 32;
@@ -157,6 +168,7 @@ class Block {
   std::function<void()> kernel_;
   unsigned state_;
   unsigned left_ = 0;
+  bool any_ = false;
   ucontext_t scheduler_{};
   std::vector<Fiber> fibers_;
   std::vector<unsigned> ready_;
@@ -172,6 +184,7 @@ void call(void (*kernel)(Args...), void** args, std::index_sequence<i...>) {
 }  // namespace emulated
 
 inline void __syncthreads() { emulated::Block::running()->wait(0, blockDim.x); }
+inline int __syncthreads_or(int value) { return emulated::Block::running()->any(value != 0); }
 inline void __barrier_sync_count(unsigned id, unsigned count) {
   emulated::Block::running()->wait(id, count);
 }

@@ -66,8 +66,7 @@ template <class Scene> class ResidentBlock {
       near_.clear();
       Ctx const now = at(done);
       shared_.note(move_nodes<Move>(arena_, Run{0, arena_.count}, now, passes.unit), done);
-      __syncthreads();
-      if (shared_.frozen) break;
+      if (__syncthreads_or(threadIdx.x == 0 && shared_.frozen)) break;
       if (done + 1 < clock.substeps)
         advance(done, [&](std::int64_t index, Met& met) {
           passes.gather_and_scatter(index, now, at(done + 1), met);
@@ -76,7 +75,7 @@ template <class Scene> class ResidentBlock {
         advance(done, [&](std::int64_t index, Met& met) { passes.gather(index, now, met); });
     }
     __syncthreads();
-    if (!shared_.frozen) close(control, done - 1);
+    if (done == clock.substeps) close(control, done - 1);
     if (threadIdx.x == 0) control.finish(clock, done);
   }
 
