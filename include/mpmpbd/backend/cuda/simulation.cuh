@@ -168,6 +168,8 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     cuda::require_free(2 * state + masks +
                        (resident ? 0 : Tiled::bytes(run.environments(), nodes)));
     now = cuda::Memory(state);
+    // It is copied as a whole, with what lies between two planes.
+    cuda::require(cudaMemsetAsync(now.as(), 0, state, stream), "clearing the state");
     initial = cuda::Memory(state);
     mask = cuda::Memory(masks);
     if (!resident) tiled = Tiled(run.environments(), nodes, stream);
