@@ -20,7 +20,7 @@ from collections import Counter
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "device"))
-from check_hot_loop import kernels, particle_loop  # noqa: E402
+from check_hot_loop import STEP, kernels, particle_loop  # noqa: E402
 
 TISSUE = "struct Tissue : Mpm<NeoHookean> {};"
 THREAD = TISSUE + " struct Thread : Pbd<Constraints<Distance, Bend>> {};"
@@ -76,10 +76,10 @@ def listing(options, folder, declarations, parts, headers):
 
 def resources(text):
     for name, use in re.findall(r"Function (\S+):\s*\n\s*(.*)", text):
-        if "step" in name:
+        if STEP in name:
             number = lambda key: int(re.search(rf"\b{key}:(\d+)", use)[1])
             return number("REG"), number("STACK")
-    raise SystemExit("the listing has no kernel called step")
+    raise SystemExit("the listing has no resident step")
 
 
 def width(instruction):
