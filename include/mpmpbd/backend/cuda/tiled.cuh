@@ -95,15 +95,17 @@ __global__ void __launch_bounds__(threads)
   auto const at = [&](int n) { return StepRecord<Scene, T>::at(context, clock, n); };
   ParticlePasses<Scene, T> const passes{launch.step, block.arena(), record.unit, block.before()};
   Met met;
-  block.particles().each([&](int slot) {
-    std::int64_t const index = launch.step.first_particle(block.env) + slot;
-    if (s < 0)
-      passes.scatter(index, at(0), met);
-    else if (s + 1 < clock.substeps)
-      passes.gather_and_scatter(index, at(s), at(s + 1), met);
-    else
-      passes.gather(index, at(s), met);
-  });
+  // One particle a thread: a loop would hold in registers what all of its turns need.
+  Run const slots = block.particles();
+  int const slot = slots.first + static_cast<int>(threadIdx.x);
+  if (slot >= slots.end) return;
+  std::int64_t const index = launch.step.first_particle(block.env) + slot;
+  if (s < 0)
+    passes.scatter(index, at(0), met);
+  else if (s + 1 < clock.substeps)
+    passes.gather_and_scatter(index, at(s), at(s + 1), met);
+  else
+    passes.gather(index, at(s), met);
   record.note(met.now, s);
   record.note(met.next, s + 1);
 }
