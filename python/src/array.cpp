@@ -42,7 +42,7 @@ std::int64_t stream_number(Place const& place) {
 
 // Nothing is waited for: the consumer has to work on the stream that writes the array, or say by -1 that it keeps order itself.
 void check_stream(Place const& place, py::object const& stream) {
-  if (place.memory == Memory::host) {
+  if (place.memory == MemorySpace::host) {
     if (!stream.is_none())
       throw py::buffer_error("mpmpbd: an array of the host has no stream; give stream=None");
     return;
@@ -88,10 +88,10 @@ std::string type_string(ElementType element) {
 }
 
 // What both dictionaries have in common (version 3 of either).
-py::dict interface(Array const& a, Memory memory, char const* name) {
+py::dict interface(Array const& a, MemorySpace memory, char const* name) {
   if (a.place.memory != memory)
     throw py::attribute_error(std::string("mpmpbd: an array ") +
-                              (memory == Memory::cuda ? "of the host" : "on a CUDA device") +
+                              (memory == MemorySpace::cuda ? "of the host" : "on a CUDA device") +
                               " has no " + name);
   py::dict said;
   said["shape"] = tuple_of(a.shape, a.axes);
@@ -116,7 +116,7 @@ void declare_array(py::module_& module) {
       .def("__array__",
            [](py::object const& self, py::args const&, py::kwargs const&) -> py::object {
              auto const& place = self.cast<SharedArray const&>().array.place;
-             if (place.memory == Memory::cuda)
+             if (place.memory == MemorySpace::cuda)
                throw py::type_error(
                    "mpmpbd: this array lies on CUDA device " + std::to_string(place.device) +
                    " and is not copied; give it to torch.from_dlpack, cupy.asarray or the like");
@@ -129,12 +129,12 @@ void declare_array(py::module_& module) {
            })
       .def_property_readonly("__array_interface__",
                              [](SharedArray const& a) {
-                               return interface(a.array, Memory::host, "__array_interface__");
+                               return interface(a.array, MemorySpace::host, "__array_interface__");
                              })
       .def_property_readonly("__cuda_array_interface__",
                              [](SharedArray const& a) {
-                               auto said =
-                                   interface(a.array, Memory::cuda, "__cuda_array_interface__");
+                               auto said = interface(a.array, MemorySpace::cuda,
+                                                     "__cuda_array_interface__");
                                said["stream"] = stream_number(a.array.place);
                                return said;
                              })
@@ -143,7 +143,7 @@ void declare_array(py::module_& module) {
       .def_property_readonly("read_only", [](SharedArray const& a) { return a.array.read_only; })
       .def("__repr__", [](SharedArray const& a) {
         auto const shape = tuple_of(a.array.shape, a.array.axes);
-        std::string const place = a.array.place.memory == Memory::host
+        std::string const place = a.array.place.memory == MemorySpace::host
                                       ? "the host"
                                       : "CUDA device " + std::to_string(a.array.place.device);
         return "<mpmpbd.Array " + text_of(shape) + " of '" + type_string(a.array.element) +

@@ -190,7 +190,7 @@ TEST_CASE("fields on a device are seen where they lie", "[cuda][arrays]") {
   CHECK(x.shape[2] == 3);
   CHECK(x.element == element_type<float>);
   CHECK(run.array<environment::Status>().element == element_type<std::int64_t>);
-  CHECK(x.place.memory == Memory::cuda);
+  CHECK(x.place.memory == MemorySpace::cuda);
   CHECK(array_named(run, "particle.x").data == x.data);
   run.step(0.004);
   auto const expected = read(run).get<particle::Position>(1, 42);

@@ -218,7 +218,7 @@ TEST_CASE("what a step loop shows and pays lies on the device", "[cuda][rl][arra
   auto const shape = [](Array const& a) { return std::vector(a.shape, a.shape + a.axes); };
   CHECK(shape(middle) == std::vector<std::int64_t>{2, 2, 4});
   CHECK(shape(heights) == std::vector<std::int64_t>{2, 2, 144, 1});
-  CHECK(middle.place.memory == Memory::cuda);
+  CHECK(middle.place.memory == MemorySpace::cuda);
   CHECK_THROWS_AS(middle.as<double>(), std::invalid_argument);
   CHECK(envs.arrays().term_count == 2);
   auto const* reward = envs.arrays().reward;

@@ -92,7 +92,7 @@ TEST_CASE("the tensor of DLPack 1.0 is laid out as consumers expect", "[io][dlpa
 
 TEST_CASE("an array on a device says which", "[io][dlpack]") {
   float* const there = reinterpret_cast<float*>(std::uintptr_t{0x7f00'0000'1000});
-  auto const array = field_array<Temperature>(there, 2, 3, {Memory::cuda, 1, nullptr});
+  auto const array = field_array<Temperature>(there, 2, 3, {MemorySpace::cuda, 1, nullptr});
   auto* const tensor = io::to_dlpack(array, nullptr);
   CHECK(tensor->dl_tensor.data == there);
   CHECK(tensor->dl_tensor.device.device_type == kDLCUDA);

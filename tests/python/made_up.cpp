@@ -31,7 +31,7 @@ SharedArray on_host(bool read_only) {
   return {array, owner};
 }
 SharedArray on_device(std::uintptr_t address, int device, std::uintptr_t stream) {
-  Place const place{Memory::cuda, device, reinterpret_cast<void*>(stream)};
+  Place const place{MemorySpace::cuda, device, reinterpret_cast<void*>(stream)};
   return {field_array<Pair>(reinterpret_cast<float*>(address), 2, 3, place), nullptr};
 }
 

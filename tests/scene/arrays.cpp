@@ -46,7 +46,7 @@ TEST_CASE("a field is found where it lies, by type and by name", "[scene][arrays
   CHECK(x.shape[2] == 3);
   CHECK(x.size() == 45);
   CHECK(x.element == element_type<float>);
-  CHECK(x.place.memory == Memory::host);
+  CHECK(x.place.memory == MemorySpace::host);
   for (int step = 0; step < 2; ++step) {
     for (std::int64_t env = 0; env < 3; ++env)
       for (std::int64_t slot = 0; slot < 5; ++slot)

@@ -28,11 +28,11 @@ inline constexpr ElementType element_type{std::is_floating_point_v<E> ? NumberKi
                                                                       : NumberKind::natural,
                                           static_cast<int>(sizeof(E))};
 
-enum class Memory { host, cuda };
+enum class MemorySpace { host, cuda };
 
 // Where numbers lie, and who writes them there.
 struct Place {
-  Memory memory = Memory::host;
+  MemorySpace memory = MemorySpace::host;
   int device = 0;
   void* stream =
       nullptr;  // a cudaStream_t in whose order they are written; null: the default stream

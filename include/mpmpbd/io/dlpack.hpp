@@ -56,8 +56,8 @@ inline DLDataType dlpack_type(ElementType element) {
 
 inline DLDevice dlpack_device(Place const& place) {
   DLDevice device{};
-  device.device_type = place.memory == Memory::cuda ? kDLCUDA : kDLCPU;
-  device.device_id = place.memory == Memory::cuda ? place.device : 0;
+  device.device_type = place.memory == MemorySpace::cuda ? kDLCUDA : kDLCPU;
+  device.device_id = place.memory == MemorySpace::cuda ? place.device : 0;
   return device;
 }
 

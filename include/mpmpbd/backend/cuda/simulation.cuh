@@ -370,7 +370,7 @@ cuda::StateOnDevice<Scene_, T> Simulation<Scene_, Cuda, T>::on_device() {
           device_->tables(Base::state_, device_->initial), Base::lattice_};
 }
 template <class Scene_, class T> Place Simulation<Scene_, Cuda, T>::place() const {
-  return {Memory::cuda, device_->where.device, device_->where.stream};
+  return {MemorySpace::cuda, device_->where.device, device_->where.stream};
 }
 template <class Scene_, class T> std::string Simulation<Scene_, Cuda, T>::execution() const {
   return device_->execution();

@@ -29,7 +29,7 @@ template <class Task, class T> class EpisodesOnDevice {
   EpisodesOnDevice(EpisodesOnDevice&&) noexcept;
 
   // Where everything lies in the memory of the device.
-  Place place() const { return {mpmpbd::Memory::cuda, where_.device, where_.stream}; }
+  Place place() const { return {MemorySpace::cuda, where_.device, where_.stream}; }
   OutcomeArrays const& outcome() const { return outcome_; }
   Views const& groups() const { return groups_; }
   float* actions() const { return actions_; }    // (num_envs, Action::size)
