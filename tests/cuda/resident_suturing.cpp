@@ -2,6 +2,7 @@
 // bits for any order and number of threads.
 // seconds: 15
 #include "catch.hpp"
+#include "cuda/fixed_point_noise.hpp"
 #include "cuda/suturing.hpp"
 
 using namespace test;
@@ -9,14 +10,6 @@ using namespace test;
 namespace {
 
 OnDevice::Store const& read(OnDevice const& run) { return run.state(); }
-
-// What the fixed point of the sums leaves in a particle's velocity after some substeps [m/s]: each of the 27 nodes
-// of a particle holds about 27 roundings of up to half a count, and counts for as much as the particle does in it;
-// five standard deviations.
-double rounding(int substeps, double dx, double dt) {
-  double const of_one = std::sqrt(27.0 * 27.0 / 12.0) / double(cuda::FixedPoint<float>::scale);
-  return 5.0 * of_one * std::sqrt(double(substeps)) * dx / dt;
-}
 
 void poison(OnDevice& run, std::int64_t env) {
   auto v = run.state().get<bead::Velocity>(env, 7);
@@ -47,7 +40,7 @@ TEST_CASE("a needle and a thread in tissue move on a device as they do on the ho
   auto const &on_device = read(device), &on_host = std::as_const(host).state();
   int const substeps = steps * c.time.substeps;
   double const dt = c.time.step / c.time.substeps, dx = c.domain.cell_size;
-  double const v = rounding(substeps, dx, dt);
+  double const v = test::fixed_point_noise(dx, dt, substeps);
   CHECK(difference<particle::Velocity>(on_device, on_host) < v);
   CHECK(difference<particle::Position>(on_device, on_host) < v * steps * c.time.step);
   CHECK(difference<bead::Velocity>(on_device, on_host) < v);

@@ -17,6 +17,7 @@
 #include <mpmpbd/scene/simulation.hpp>
 
 #include "cuda/compare.hpp"
+#include "cuda/fixed_point_noise.hpp"
 
 namespace test {
 
@@ -106,11 +107,11 @@ template <class Run> Run made(std::int64_t environments, auto... where) {
   return run;
 }
 
-// As in resident_suturing.cpp: five standard deviations of fixed point, for stencils of 27 or 64 nodes.
+static_assert(fixed_point_scale == cuda::FixedPoint<float>::scale);
+// Of velocities after some steps [m/s].
 template <class Scene> double rounding(int steps) {
-  double const nodes = nodes_per_point<typename Scene::Body::Shape>;
-  return 5.0 * nodes / std::sqrt(12.0) / double(cuda::FixedPoint<float>::scale) *
-         std::sqrt(double(substeps * steps)) * dx * substeps / step;
+  return fixed_point_noise(dx, step / substeps, substeps * steps,
+                           nodes_per_point<typename Scene::Body::Shape>);
 }
 
 }  // namespace test

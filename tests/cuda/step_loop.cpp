@@ -9,6 +9,7 @@
 
 #include "catch.hpp"
 #include "cuda/compare.hpp"
+#include "cuda/fixed_point_noise.hpp"
 #include "cuda/tilt_task.hpp"
 
 using namespace mpmpbd;
@@ -35,11 +36,9 @@ std::vector<float> actions(auto const& envs, int decision) {
   return all;
 }
 
-// What fixed point leaves in a particle's velocity after some steps [m/s]: as in resident_scenes.cpp.
+// Of velocities after some steps [m/s].
 double rounding(tilt::Settings const& c, int steps) {
-  double const substeps = c.substeps * steps;
-  return 5.0 * 27 / std::sqrt(12.0) / double(cuda::FixedPoint<float>::scale) * std::sqrt(substeps) *
-         c.cell * c.substeps / c.step;
+  return test::fixed_point_noise(c.cell, c.step / c.substeps, c.substeps * steps);
 }
 template <class Numbers> double difference(Numbers const& a, Numbers const& b) {
   mpmpbd::testing::Worst worst;

@@ -8,6 +8,7 @@
 #include <mpmpbd/rl/cuda/vector_env.hpp>
 
 #include "catch.hpp"
+#include "cuda/fixed_point_noise.hpp"
 #include "cuda/suturing.hpp"
 
 using namespace mpmpbd;
@@ -35,14 +36,13 @@ template <class Group, class A, class B> std::pair<double, double> compare(A con
   }
   return {worst.value(), most};
 }
-// How far fixed point moves tissue in three decisions [m]: as in resident_suturing.cpp, five standard deviations.
+// How far fixed point moves tissue in three decisions [m].
 double rounding(rl::SuturingTaskConfig const& c) {
   auto const& time = c.scene.time;
   double const steps = c.episode.decision_interval * 3;  // of what is looked at here
-  double const v = 5.0 * 27 / std::sqrt(12.0) / double(cuda::FixedPoint<float>::scale) *
-                   std::sqrt(time.substeps * steps) * c.scene.domain.cell_size * time.substeps /
-                   time.step;
-  return v * steps * time.step;
+  return steps * time.step *
+         test::fixed_point_noise(c.scene.domain.cell_size, time.step / time.substeps,
+                                 time.substeps * steps);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include <mpmpbd/scene/simulation.hpp>
 
 #include "cuda/compare.hpp"
+#include "cuda/fixed_point_noise.hpp"
 
 namespace {
 
@@ -103,12 +104,6 @@ void check(bool ok, char const* scene, char const* what, double value = 0) {
   (ok ? passed : failed) += 1;
 }
 
-// Five standard deviations of what fixed point leaves in a velocity: tests/cuda/resident_suturing.cpp.
-double rounding() {
-  return 5.0 * std::sqrt(27.0 * 27.0 / 12.0 * substeps) / double(cuda::FixedPoint<float>::scale) *
-         dx * substeps / step;
-}
-
 template <class Scene> void compare(char const* name) {
   auto serial = make_run<Scene, Serial>(3);
   auto device = make_run<Scene, Cuda>(3);
@@ -117,7 +112,7 @@ template <class Scene> void compare(char const* name) {
   auto tiled = make_run<Scene, Cuda>(3, Cuda{.execution = Cuda::Execution::tiled});
   serial.step(step), device.step(step), narrow.step(step), alone.step(step), tiled.step(step);
   auto const &d = read(device), &s = read(serial);
-  double const v = rounding();
+  double const v = test::fixed_point_noise(dx, step / substeps, substeps);  // [m/s]
   auto within = [&](char const* what, double got, double allowed) {
     check(got < allowed, name, what, got);
   };

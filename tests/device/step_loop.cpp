@@ -14,6 +14,8 @@
 #include <mpmpbd/rl/suturing/expert.hpp>
 #include <mpmpbd/testing/worst.hpp>
 
+#include "cuda/fixed_point_noise.hpp"
+
 namespace {
 
 using namespace mpmpbd;
@@ -54,8 +56,8 @@ template <class Group> double difference(OnDevice const& a, OnHost const& b) {
 double rounding(rl::SuturingTaskConfig const& c) {
   auto const& time = c.scene.time;
   double const steps = c.episode.decision_interval * c.episode.limit;
-  double const v = 5.0 * 27 / std::sqrt(12.0) / 4194304.0 * std::sqrt(time.substeps * steps) *
-                   c.scene.domain.cell_size * time.substeps / time.step;
+  double const v = test::fixed_point_noise(c.scene.domain.cell_size, time.step / time.substeps,
+                                           time.substeps * steps);
   return v * steps * time.step + 8 * steps * 0x1p-23;
 }
 
