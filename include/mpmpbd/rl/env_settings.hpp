@@ -61,6 +61,13 @@ template <class Task_> class EnvSettings {
       check_config(config.episode);
   }
 
+  // All environments as the task sets up one; that is what an episode begins from.
+  template <class Sim> void set_up(Sim& sim) const {
+    Task::set_up(sim, 0, config_);
+    for (std::int64_t env = 1; env < num_envs(); ++env) sim.clone(0, env);
+    sim.remember();
+  }
+
   std::size_t count() const { return static_cast<std::size_t>(options_.num_envs); }
   EpisodeRules rules() const {
     return {options_.seed, options_.first_environment, config_.episode.limit, options_.autoreset};

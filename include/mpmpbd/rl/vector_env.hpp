@@ -34,9 +34,7 @@ class VectorEnv : public EnvSettings<Task_> {
         backend_(with_fixed_lanes(backend)),
         sim_(Task::options(config_, options.num_envs), backend_),
         groups_(Groups::make(sim_.state(), config_, backend_.lanes())) {
-    Task::set_up(sim_, 0, config_);
-    for (std::int64_t env = 1; env < num_envs(); ++env) sim_.clone(0, env);
-    sim_.remember();
+    this->set_up(sim_);
     active_.assign(this->count(), 1);
     out_.resize(this->count(), std::size_t{Base::term_count}, std::size_t{Base::metric_count});
     reset(options.seed);

@@ -46,9 +46,7 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
         sim_(Task::options(config_, options.num_envs), where),
         groups_(Groups::make(std::as_const(sim_).state(), config_, 1)),
         episodes_(sim_, where, Groups::views(groups_, 0)) {
-    Task::set_up(sim_, 0, config_);
-    for (std::int64_t env = 1; env < num_envs(); ++env) sim_.clone(0, env);
-    sim_.remember();
+    this->set_up(sim_);
     out_.resize(this->count(), std::size_t{Base::term_count}, std::size_t{Base::metric_count});
     for (auto& numbers : episode_numbers_) numbers.resize(this->count());
     reset(options.seed);
