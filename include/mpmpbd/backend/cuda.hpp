@@ -88,7 +88,7 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   // is waited for.
   void step(double h, std::span<unsigned char const> mask = {});
 
-  // Masks in the memory of the device: nothing is copied, nothing waits. Null: all environments.
+  // The same with masks in the memory of the device, of which nothing is copied. Null: all environments.
   void step_where(double h, unsigned char const* mask);
   void reset_where(unsigned char const* mask);
   // Sends what the host has changed; allocates nothing unless it changed how many slots are in use.

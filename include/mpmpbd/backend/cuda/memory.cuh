@@ -43,6 +43,12 @@ inline void require_free(std::size_t bytes) {
                              " MiB of the device are free; use fewer environments");
 }
 
+// Copies bytes in the order of a stream.
+inline void copy(cudaStream_t stream, void* to, void const* from, std::size_t bytes,
+                 cudaMemcpyKind way) {
+  if (bytes > 0) require(cudaMemcpyAsync(to, from, bytes, way, stream), "copying");
+}
+
 // Starts a kernel; `bytes` of shared memory for each of its blocks. What cannot be started throws, and says `what` it
 // was.
 template <class... Args>

@@ -224,7 +224,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
         });
   }
   void copy(void* to, void const* from, std::size_t n, cudaMemcpyKind way) const {
-    if (n > 0) cuda::require(cudaMemcpyAsync(to, from, n, way, stream), "copying");
+    cuda::copy(stream, to, from, n, way);
   }
 
   // Work memory for the present numbers of beads, points and the like: it grows, and never holds history.

@@ -9,13 +9,12 @@ namespace mpmpbd::rl {
 // When a kernel is started: out of turn, before the first step of a decision, between two, after the last.
 enum class Moment { begin, decide, between, finish };
 
-template <class Task> struct EpisodeLaunch {
-  cuda::StateOnDevice<typename Task::Scene, float> run;
+template <class Task, class T> struct EpisodeLaunch {
+  cuda::StateOnDevice<typename Task::Scene, T> run;
   EpisodeRules rules;
   OutcomeArrays out;
   detail::GroupViews<typename Task::Observations> groups;
-  unsigned char* begins;  // whether an environment begins an episode in this launch
-  unsigned char* acts;    // whether it moves in this decision
+  unsigned char* acts;  // whether an environment moves in this decision
   float const* actions;
   double h;  // length of a step [s]
   Asked asked;
@@ -51,17 +50,13 @@ template <class Task> struct EpisodeLaunch {
 };
 
 // One thread reads the text; all put an environment back that begins an episode.
-template <class Task>
+template <class Task, class T>
 __global__ void __launch_bounds__(128)
-    between_steps(__grid_constant__ EpisodeLaunch<Task> const launch, Moment const moment) {
+    between_steps(__grid_constant__ EpisodeLaunch<Task, T> const launch, Moment const moment) {
   std::int64_t const env = blockIdx.x;
   Beginning next{};
-  if (threadIdx.x == 0) {
-    next = launch.meet(moment, env);
-    launch.begins[env] = next.episode > 0;
-  }
-  __syncthreads();
-  if (launch.begins[env] == 0) return;
+  if (threadIdx.x == 0) next = launch.meet(moment, env);
+  if (!__syncthreads_or(next.episode > 0)) return;
   launch.run.now.copy_environment(env, launch.run.remembered, env);
   __syncthreads();
   if (threadIdx.x == 0) launch.control(env).begin(next);
@@ -99,19 +94,19 @@ template <class Task, class T>
 void EpisodesOnDevice<Task, T>::begin(Sim& sim, EpisodeRules const& rules,
                                       Asked const& asked) const {
   cuda::OnDevice const here(where_.device);
-  EpisodeLaunch<Task> const launch{sim.on_device(), rules,    outcome_, groups_, begins_,
-                                   acts_,           actions_, 0.0,      asked};
-  cuda::start(static_cast<cudaStream_t>(where_.stream), "episodes", between_steps<Task>,
+  EpisodeLaunch<Task, T> const launch{sim.on_device(), rules,    outcome_, groups_,
+                                      acts_,           actions_, 0.0,      asked};
+  cuda::start(static_cast<cudaStream_t>(where_.stream), "episodes", between_steps<Task, T>,
               sim.environments(), 128, 0, launch, Moment::begin);
 }
 template <class Task, class T>
 void EpisodesOnDevice<Task, T>::decide(Sim& sim, EpisodeRules const& rules, float const* actions,
                                        double h, int steps) const {
   cuda::OnDevice const here(where_.device);
-  EpisodeLaunch<Task> const launch{sim.on_device(), rules,   outcome_, groups_, begins_,
-                                   acts_,           actions, h,        {}};
+  EpisodeLaunch<Task, T> const launch{sim.on_device(), rules,   outcome_, groups_,
+                                      acts_,           actions, h,        {}};
   auto const meet = [&](Moment moment) {
-    cuda::start(static_cast<cudaStream_t>(where_.stream), "a decision", between_steps<Task>,
+    cuda::start(static_cast<cudaStream_t>(where_.stream), "a decision", between_steps<Task, T>,
                 sim.environments(), 128, 0, launch, moment);
   };
   meet(Moment::decide);
@@ -124,16 +119,12 @@ void EpisodesOnDevice<Task, T>::decide(Sim& sim, EpisodeRules const& rules, floa
 template <class Task, class T>
 void EpisodesOnDevice<Task, T>::send(void* to, void const* from, std::size_t bytes) const {
   cuda::OnDevice const here(where_.device);
-  cuda::require(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice,
-                                static_cast<cudaStream_t>(where_.stream)),
-                "sending");
+  cuda::copy(static_cast<cudaStream_t>(where_.stream), to, from, bytes, cudaMemcpyHostToDevice);
 }
 template <class Task, class T>
 void EpisodesOnDevice<Task, T>::fetch(void* to, void const* from, std::size_t bytes) const {
   cuda::OnDevice const here(where_.device);
-  cuda::require(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost,
-                                static_cast<cudaStream_t>(where_.stream)),
-                "fetching");
+  cuda::copy(static_cast<cudaStream_t>(where_.stream), to, from, bytes, cudaMemcpyDeviceToHost);
 }
 
 }  // namespace mpmpbd::rl

@@ -54,14 +54,14 @@ template <class Task, class T> class EpisodesOnDevice {
       f(group.last, group.stride());
     });
     f(actions_, Task::Action::size);
-    for (auto* flags : {&mask_, &acts_, &begins_}) f(*flags, 1);
+    for (auto* flags : {&mask_, &acts_}) f(*flags, 1);
   }
 
   Cuda where_;
   OutcomeArrays outcome_{};
   Views groups_;
   float* actions_ = nullptr;
-  unsigned char *mask_ = nullptr, *acts_ = nullptr, *begins_ = nullptr;
+  unsigned char *mask_ = nullptr, *acts_ = nullptr;
   std::unique_ptr<Memory> memory_;
 };
 
