@@ -166,9 +166,6 @@ MPMPBD_HD Carry<T, bends> eliminate(BeadFactor<T, bends> const& f, bool known, L
   return next;
 }
 
-}  // namespace detail
-
-namespace detail {
 // What elimination leaves of a stiff block is a small difference. Its unsymmetric part is rounding alone, and grows from
 // bead to bead until it hides the mass of a light one.
 template <class T> MPMPBD_HD Mat3<T> symmetric_part(Mat3<T> const& A) {
@@ -176,36 +173,68 @@ template <class T> MPMPBD_HD Mat3<T> symmetric_part(Mat3<T> const& A) {
 }
 }  // namespace detail
 
-// Eliminates the matrix. Returns false when it is singular. In float, with k = dt^2 EI / (l^3 m) of a thread that
-// bends, velocities of its light free ends are off by some k^2 / 1e8.
+// The first beads of a chain that is solved several times, while only the others change.
+template <class T, bool bends> struct ChainHead {
+  int beads;                        // 0: all may change
+  detail::Carry<T, bends> carry{};  // what their elimination takes from the rows after them
+};
+
+namespace detail {
+// Beads begin ... end - 1, from what those before them leave; in the end what they leave themselves.
 template <class T, bool bends>
-MPMPBD_HD bool factor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors) {
-  detail::Carry<T, bends> carry;
-  bool const has_end = s.end != nullptr && s.end->present;
-  bool const swaged = has_end && s.end->swaged;
-  for (int k = 0; k < s.beads; ++k) {
-    BeadFactor<T, bends>& f = factors.beads[k];
-    Mat3<T> const A = detail::symmetric_part(s.blocks[k].A - carry.A1);
+MPMPBD_HD bool eliminate_beads(ChainSystem<T, bends> const& s,
+                               ChainFactors<T, bends> const& factors, int begin, int end,
+                               Carry<T, bends>& carry) {
+  bool const swaged = s.end != nullptr && s.end->present && s.end->swaged;
+  for (int k = begin; k < end; ++k) {
+    BeadFactor<T, bends> f{};
+    Mat3<T> const A = symmetric_part(s.blocks[k].A - carry.A1);
     f.U = s.blocks[k].U - carry.U1;
     if constexpr (bends) {
       f.W = s.blocks[k].W;
       f.beyond = carry.p_beyond;
     }
     if (swaged && k == s.beads - 1)
-      return detail::factor_end(*s.end, A, carry.p, carry.gamma, *factors.end);
-    bool const ok = s.known[k] ? detail::border_of_known(carry.p, carry.gamma, f)
-                               : detail::invert_bordered(A, carry.p, carry.gamma, f);
+      return factor_end(*s.end, A, carry.p, carry.gamma, *factors.end);
+    bool const ok = s.known[k] ? border_of_known(carry.p, carry.gamma, f)
+                               : invert_bordered(A, carry.p, carry.gamma, f);
     if (!ok) return false;
-    if (k + 1 < s.beads) carry = detail::eliminate(f, s.known[k], s.links[k], carry);
+    factors.beads[k] = f;
+    if (k + 1 < s.beads) carry = eliminate(f, s.known[k], s.links[k], carry);
   }
-  return !has_end || detail::factor_end(*s.end, Mat3<T>{}, Vec3<T>{}, T(1), *factors.end);
+  return true;
+}
+}  // namespace detail
+
+// Eliminates the matrix again after its head, which is as it was.
+template <class T, bool bends>
+MPMPBD_HD bool refactor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
+                              ChainHead<T, bends> const& head) {
+  detail::Carry<T, bends> carry = head.carry;
+  if (!detail::eliminate_beads(s, factors, head.beads, s.beads, carry)) return false;
+  bool const alone = s.end != nullptr && s.end->present && !(s.end->swaged && s.beads > 0);
+  return !alone || detail::factor_end(*s.end, Mat3<T>{}, Vec3<T>{}, T(1), *factors.end);
+}
+// Eliminates the matrix. Returns false when it is singular. In float, with k = dt^2 EI / (l^3 m) of a thread that
+// bends, velocities of its light free ends are off by some k^2 / 1e8.
+template <class T, bool bends>
+MPMPBD_HD bool factor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
+                            ChainHead<T, bends>& head) {
+  head.carry = {};
+  return detail::eliminate_beads(s, factors, 0, head.beads, head.carry) &&
+         refactor_chain(s, factors, head);
+}
+template <class T, bool bends>
+MPMPBD_HD bool factor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors) {
+  ChainHead<T, bends> whole{0};
+  return factor_chain(s, factors, whole);
 }
 
 namespace detail {
 
 // Bead k of the forward pass: what its own right-hand side leaves in the rows after it.
 template <class T, bool bends>
-MPMPBD_HD void reduce_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> const& f, int k,
+MPMPBD_HD void reduce_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> const f, int k,
                            Vec3<T>* r, T* g) {
   T const rho = k > 0 ? g[k - 1] : T(0);
   Vec3<T> const free = s.known[k] ? r[k] : f.inverse * r[k] + rho * f.edge;
@@ -220,7 +249,7 @@ MPMPBD_HD void reduce_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> 
 
 // Bead k of the backward pass: its velocity, and the impulse of the link on its left.
 template <class T, bool bends>
-MPMPBD_HD void resolve_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> const& f, int k,
+MPMPBD_HD void resolve_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> const f, int k,
                             Vec3<T>* r, T* g) {
   T rho = k > 0 ? g[k - 1] : T(0);
   Vec3<T> b = r[k];
@@ -256,19 +285,39 @@ MPMPBD_HD void resolve_end(ChainSystem<T, bends> const& s, Mat<T, 7, 7> const& f
 
 }  // namespace detail
 
-// Solves with the factors of factor_chain. In: r = right-hand side (velocity where known), g per link,
-// y = right-hand side of the rigid body. Out: r = velocities, g = link impulses, y = body velocity, spin.
+// The two passes of a solution with the factors of factor_chain, over some of the beads. In: r = right-hand side (velocity
+// where known), g per link, y = right-hand side of the rigid body. Out: r = velocities, g = link impulses,
+// y = body velocity, spin.
+//
+// Up the chain: beads begin ... end - 1 hand on what their right-hand sides leave.
+template <class T, bool bends>
+MPMPBD_HD void reduce_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
+                            int begin, int end, Vec3<T>* r, T* g) {
+  for (int k = begin; k < min(end, s.beads - 1); ++k)
+    detail::reduce_bead(s, factors.beads[k], k, r, g);
+}
+// And down: the rigid body and the beads from the last one to `first`.
+template <class T, bool bends>
+MPMPBD_HD void resolve_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
+                             int first, Vec3<T>* r, T* g, Vec<T, 6>* y) {
+  bool const has_end = s.end != nullptr && s.end->present;
+  if (has_end) detail::resolve_end(s, *factors.end, r, g, *y);
+  for (int k = s.beads - (has_end && s.end->swaged ? 2 : 1); k >= first; --k)
+    detail::resolve_bead(s, factors.beads[k], k, r, g);
+}
+// The beads before those.
+template <class T, bool bends>
+MPMPBD_HD void resolve_head(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
+                            int first, Vec3<T>* r, T* g) {
+  for (int k = first - 1; k >= 0; --k) detail::resolve_bead(s, factors.beads[k], k, r, g);
+}
+
+// All of it at once.
 template <class T, bool bends>
 MPMPBD_HD void solve_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
                            Vec3<T>* r, T* g, Vec<T, 6>* y = nullptr) {
-  for (int k = 0; k + 1 < s.beads; ++k) detail::reduce_bead(s, factors.beads[k], k, r, g);
-  bool const has_end = s.end != nullptr && s.end->present;
-  int remaining = s.beads;
-  if (has_end) {
-    detail::resolve_end(s, *factors.end, r, g, *y);
-    if (s.end->swaged) remaining -= 1;
-  }
-  for (int k = remaining - 1; k >= 0; --k) detail::resolve_bead(s, factors.beads[k], k, r, g);
+  reduce_chain(s, factors, 0, s.beads, r, g);
+  resolve_chain(s, factors, 0, r, g, y);
 }
 
 }  // namespace mpmpbd

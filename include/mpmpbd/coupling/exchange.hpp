@@ -78,9 +78,11 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   MPMPBD_HD void assemble_contact() const {
     auto const& t = x.thread_work;
     team.each(x.thread.beads, [&](int k) {
+      bool const of_head = k < t.head->beads;
+      t.trial[k] = of_head ? t.reduced[k] : t.inertia[k];
+      t.trial_impulse[k] = of_head ? t.reduced_impulse[k] : t.gap_speed[k];
+      if (of_head) return;
       t.blocks[k] = t.base[k];
-      t.trial[k] = t.inertia[k];
-      t.trial_impulse[k] = t.gap_speed[k];
       for_each_point_of_bead(k, [&](int q, T share) {
         Response<T> const b = response(q);
         Mat3<T> const B = matrix(b, q);
@@ -138,14 +140,68 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   MPMPBD_HD ChainFactors<T, bends> factors() const {
     return {x.thread_work.factors, &x.scratch->end_factor};
   }
-  // Factors and solves on one lane; the elimination is serial.
-  MPMPBD_HD void solve(BeadBlocks<T, bends> const* blocks, bool factored = false) const {
+  // All solutions are found on one lane: elimination is serial. The beads before the first that meets tissue are the
+  // chain's head. What is known of them is kept; their velocities are found in the end.
+  MPMPBD_HD void find_head() const {
     team.one([&] {
-      ExchangeScratch<T>& s = *x.scratch;
-      if (!factored && !factor_chain(chain(blocks), factors())) s.failed = 1;
-      if (s.failed == 0)
-        solve_chain(chain(blocks), factors(), x.thread_work.trial, x.thread_work.trial_impulse,
-                    &s.body);
+      int first = max(x.thread.beads - 1, 0);
+      auto const include = [&](int q) {
+        if (x.on[q]) first = min(first, x.points[q].segment);
+      };
+      for (int q = 0; q < x.thread_points(); ++q) include(q);
+      for (int q = x.first_attached(); q < x.count(); ++q) include(q);
+      x.thread_work.head->beads = first;
+    });
+    team.sync();
+  }
+  // Beads whose rows and the two after it, to which they hand on, are the head's.
+  MPMPBD_HD int reduced_beads() const { return max(x.thread_work.head->beads - 2, 0); }
+
+  // The whole chain, without tissue.
+  MPMPBD_HD void solve_alone() const {
+    team.one([&] {
+      auto const& t = x.thread_work;
+      auto const c = chain(t.base);
+      if (!factor_chain(c, factors(), *t.head)) {
+        x.scratch->failed = 1;
+        return;
+      }
+      reduce_chain(c, factors(), 0, reduced_beads(), t.trial, t.trial_impulse);
+      for (int k = 0; k < t.head->beads; ++k) {
+        t.reduced[k] = t.trial[k];
+        t.reduced_impulse[k] = t.trial_impulse[k];
+      }
+      reduce_chain(c, factors(), reduced_beads(), c.beads, t.trial, t.trial_impulse);
+      resolve_chain(c, factors(), 0, t.trial, t.trial_impulse, &x.scratch->body);
+    });
+    team.sync();
+  }
+  // The beads after the head, with its factors and a right-hand side that is 0 in the head.
+  MPMPBD_HD void solve_offer() const {
+    solve_after_head(chain(x.thread_work.base), x.thread_work.head->beads);
+  }
+  // The beads after the head, with the contact of the present holds.
+  MPMPBD_HD void solve_contact() const {
+    auto const c = chain(x.thread_work.blocks);
+    team.one([&] {
+      if (!refactor_chain(c, factors(), *x.thread_work.head)) x.scratch->failed = 1;
+    });
+    solve_after_head(c, reduced_beads());
+  }
+  MPMPBD_HD void solve_after_head(ChainSystem<T, bends> const& c, int begin) const {
+    auto const& t = x.thread_work;
+    team.one([&] {
+      if (x.scratch->failed != 0) return;
+      reduce_chain(c, factors(), begin, c.beads, t.trial, t.trial_impulse);
+      resolve_chain(c, factors(), t.head->beads, t.trial, t.trial_impulse, &x.scratch->body);
+    });
+    team.sync();
+  }
+  MPMPBD_HD void solve_head() const {
+    auto const& t = x.thread_work;
+    team.one([&] {
+      if (x.scratch->failed == 0)
+        resolve_head(chain(t.base), factors(), t.head->beads, t.trial, t.trial_impulse);
     });
     team.sync();
   }
@@ -210,6 +266,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
         connect(team, x.incidence, x.count(), x.on, [&](int q) { return firmness(x.points[q]); });
     if constexpr (requires { nodes.announce(team, x.incidence); })
       nodes.announce(team, x.incidence);
+    find_head();
     load_nodes();
     T const scale = x.previous_dt > T(0) ? x.dt / x.previous_dt : T(1);
     team.each(x.thread.beads, [&](int k) { x.thread.impulse[k] *= scale; });
@@ -257,14 +314,13 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     });
     reset_kinematic(T(1));
     team.sync();
-    solve(t.base);
+    solve_alone();
     remember_alone();
     offer();
-    solve(t.base, true);
+    solve_offer();
     push_nodes([&](int q) { return x.work[q].J; },
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.change = dv; });
-    team.one([&] { x.scratch->share = line_search(); });
-    team.sync();
+    line_search();
     T const share = x.scratch->share;
     team.each(x.incidence.counters[0], [&](int i) {
       TouchedNode<T>& n = x.incidence.nodes[i];
@@ -309,23 +365,39 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
-  // The thread's response to the offer is in `trial`, the grid's in `change`.
-  MPMPBD_HD T line_search() const {
-    T power = T(0), stiffness = T(0);
-    for (int q = 0; q < x.count(); ++q) {
-      if (!x.on[q]) continue;
-      Vec3<T> const& j = x.work[q].J;
-      Vec3<T> const moved = sum_over_nodes<Vec3<T>>(
-          x.incidence, q, [](T w, TouchedNode<T> const& n) { return w * n.change; });
-      power += dot(j, x.work[q].slip);
-      stiffness += dot(j, moved + x.work[q].compliance * j - body_velocity(q));
-    }
-    return stiffness > T(0) ? clamp(-power / stiffness, T(0), T(1)) : T(0);
+  // Adds two numbers f(q) up over the points that are on, in their order; one lane gives the sums to use(sums).
+  template <class F, class Use> MPMPBD_HD void sum_over_all(F const& f, Use const& use) const {
+    team.each(x.count(), [&](int q) {
+      if (x.on[q]) x.work[q].terms = f(q);
+    });
+    team.sync();
+    team.one([&] {
+      Vec<T, 2> sum{};
+      for (int q = 0; q < x.count(); ++q)
+        if (x.on[q]) sum += x.work[q].terms;
+      use(sum);
+    });
+    team.sync();
+  }
+  // Sets the share of the offer: the thread's response to it is in `trial`, the grid's in `change`.
+  MPMPBD_HD void line_search() const {
+    sum_over_all(
+        [&](int q) {
+          Vec3<T> const& j = x.work[q].J;
+          Vec3<T> const moved = sum_over_nodes<Vec3<T>>(
+              x.incidence, q, [](T w, TouchedNode<T> const& n) { return w * n.change; });
+          return Vec<T, 2>{{dot(j, x.work[q].slip),
+                            dot(j, moved + x.work[q].compliance * j - body_velocity(q))}};
+        },
+        [&](Vec<T, 2> const& sum) {
+          T const power = sum[0], stiffness = sum[1];
+          x.scratch->share = stiffness > T(0) ? clamp(-power / stiffness, T(0), T(1)) : T(0);
+        });
   }
 
   MPMPBD_HD void pass() const {
     assemble_contact();
-    solve(x.thread_work.blocks);
+    solve_contact();
     team.each(x.count(), [&](int q) {
       if (!x.on[q]) return;
       Response<T> const b = response(q);
@@ -453,8 +525,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   MPMPBD_HD void guard_energy() const {
     if (x.scratch->revised == 0) return;
     observe();
-    team.one([&] { x.scratch->share = safe_share(); });
-    team.sync();
+    find_safe_share();
     T const share = x.scratch->share;
     if (share == T(1)) return;
     auto const& t = x.thread_work;
@@ -471,15 +542,19 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
         [&] { x.scratch->body = x.scratch->alone + share * (x.scratch->body - x.scratch->alone); });
     team.sync();
   }
-  MPMPBD_HD T safe_share() const {
-    T before = T(0), after = T(0);
-    for (int q = 0; q < x.count(); ++q) {
-      if (!x.on[q]) continue;
-      before += dot(x.work[q].J, x.work[q].slip);
-      after += dot(x.work[q].J, x.work[q].u - body_velocity(q));
-    }
-    if (!(before + after > T(0))) return T(1);
-    return before < T(0) && after > before ? clamp(-before / (after - before), T(0), T(1)) : T(0);
+  MPMPBD_HD void find_safe_share() const {
+    sum_over_all(
+        [&](int q) {
+          PointWork<T> const& w = x.work[q];
+          return Vec<T, 2>{{dot(w.J, w.slip), dot(w.J, w.u - body_velocity(q))}};
+        },
+        [&](Vec<T, 2> const& sum) {
+          T const before = sum[0], after = sum[1];
+          T const least = before < T(0) && after > before
+                              ? clamp(-before / (after - before), T(0), T(1))
+                              : T(0);
+          x.scratch->share = before + after > T(0) ? least : T(1);
+        });
   }
 
   MPMPBD_HD void finish() const {
@@ -527,6 +602,7 @@ MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const&
     e.observe();
     e.sweep(i == 0);
   }
+  e.solve_head();
   e.guard_energy();
   if (x.scratch->failed != 0) {
     e.give_up();

@@ -38,6 +38,7 @@ template <class T> struct PointWork {
   Vec3<T> J;     // impulse so far [N s]
   Vec3<T> dJ;    // of the present pass [N s]
   Vec3<T> slip_impulse;  // friction that it slides with [N s]
+  Vec<T, 2> terms;       // what it adds to a sum over points
   Hold hold, next;       // the present one, and what it should be after a trial
 };
 

@@ -138,19 +138,31 @@ template <class T, class F>
 MPMPBD_HD Vec3<T> sum_over_points(Incidence<T> const& c, int i, F const& f) {
   TouchedNode<T> const& n = c.nodes[i];
   Vec3<T> sum{};
-  for (int e = n.first; e < n.first + n.count; ++e) {
+  int const first = n.first, end = first + n.count;
+#if defined(__CUDACC__)
+#pragma unroll 4
+#endif
+  for (int e = first; e < end; ++e) {
     int const p = c.pairs[e];
     sum += c.weight[p] * f(p / c.per_point);
   }
   return sum;
 }
 
-// sum_i w_iq f(node i) over the nodes of point q.
+// sum_i f(w_iq, node i) over the nodes of point q, which is on. A node is read before it is known whether it counts, so
+// that a device has several on their way.
 template <class Value, class T, class F>
 MPMPBD_HD Value sum_over_nodes(Incidence<T> const& c, int q, F const& f) {
   Value sum{};
-  for (int p = q * c.per_point; p < (q + 1) * c.per_point; ++p)
-    if (c.slot[p] >= 0) sum += f(c.weight[p], c.nodes[c.slot[p]]);
+  int const first = q * c.per_point, end = first + c.per_point;
+#if defined(__CUDACC__)
+#pragma unroll 9
+#endif
+  for (int p = first; p < end; ++p) {
+    int const slot = c.slot[p];
+    Value const with = sum + f(c.weight[p], c.nodes[max(slot, 0)]);
+    if (slot >= 0) sum = with;
+  }
   return sum;
 }
 

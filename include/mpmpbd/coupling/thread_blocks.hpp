@@ -50,6 +50,10 @@ template <class T, bool bends> struct ThreadWork : JointStore<T, bends> {
   T* trial_impulse;  // g, then link impulses
   Vec3<T>* alone;    // velocities without tissue
   T* alone_impulse;  // and link impulses
+  // Beads before the first that meets tissue, and their right-hand sides when the forward pass has gone over them.
+  ChainHead<T, bends>* head;
+  Vec3<T>* reduced;
+  T* reduced_impulse;
 };
 
 namespace detail {

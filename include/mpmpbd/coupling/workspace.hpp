@@ -51,6 +51,9 @@ MPMPBD_HD std::size_t cut_workspace(char* memory, ExchangeCapacity const& c,
   t.trial_impulse = cutter.cut<T>(c.beads);
   t.alone = cutter.cut<Vec3<T>>(c.beads);
   t.alone_impulse = cutter.cut<T>(c.beads);
+  t.head = cutter.cut<ChainHead<T, Form::bends>>(1);
+  t.reduced = cutter.cut<Vec3<T>>(c.beads);
+  t.reduced_impulse = cutter.cut<T>(c.beads);
   if constexpr (Form::bends) t.joints = cutter.cut<Joint<T>>(c.beads);
   auto& i = x.incidence;
   i.node_capacity = c.nodes<typename Form::Shape>();
