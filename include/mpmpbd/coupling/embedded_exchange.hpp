@@ -109,6 +109,12 @@ template <class In> struct ExchangeImpulses {
                                                                   env.template live<Particles>());
   }
 
+  // Bytes of fast memory (FastMemory) that help.
+  template <class Env, class Ctx>
+  static std::size_t fast_bytes(Env const& env, Ctx const& context) {
+    return exchange_fast_bytes<typename Ctx::Scalar, Form>(counts(env, context).exchange());
+  }
+
   template <class Team_, class Env, class Ctx, class Grid>
   MPMPBD_HD static std::uint32_t run(Team_ const& team, Env const& env, Ctx const& context,
                                      Grid const& grid) {
@@ -175,7 +181,10 @@ template <class In> struct ExchangeImpulses {
     x.attached_points = n.attached_points;
     x.friction = context.template of<typename Laws::FrictionLaw>();
     x.drag = context.template of<typename Laws::DragLaw>();
-    use_workspace(x, n.exchange(), a.exchange, grid.slot_of_node);
+    if constexpr (requires { grid.fast; })
+      use_workspace(x, n.exchange(), a.exchange, grid.slot_of_node, grid.fast);
+    else
+      use_workspace(x, n.exchange(), a.exchange, grid.slot_of_node);
     return x;
   }
 

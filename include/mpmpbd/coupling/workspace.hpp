@@ -20,41 +20,68 @@ struct ExchangeCapacity {
   }
 };
 
+// Memory nearer than the rest, such as the shared memory of a device; aligned for double. There may be none, or too
+// little: arrays that do not fit lie elsewhere.
+struct FastMemory {
+  char* first = nullptr;
+  std::size_t bytes = 0;
+};
+
 namespace detail {
 
 struct Cutter {
   char* memory;
-  std::size_t used = 0;
+  FastMemory fast{};
+  std::size_t used = 0, fast_used = 0;
+
   template <class U> MPMPBD_HD U* cut(int count) {
-    used = (used + alignof(U) - 1) / alignof(U) * alignof(U);
-    U* const first = memory != nullptr ? reinterpret_cast<U*>(memory + used) : nullptr;
-    used += sizeof(U) * static_cast<std::size_t>(count);
-    return first;
+    std::size_t const at = place<U>(used);
+    used = at + sizeof(U) * static_cast<std::size_t>(count);
+    return array<U>(memory, at);
+  }
+  // From fast memory while there is room.
+  template <class U> MPMPBD_HD U* cut_fast(int count) {
+    std::size_t const at = place<U>(fast_used),
+                      end = at + sizeof(U) * static_cast<std::size_t>(count);
+    if (end > fast.bytes) return cut<U>(count);
+    fast_used = end;
+    return array<U>(fast.first, at);
+  }
+
+ private:
+  template <class U> MPMPBD_HD static std::size_t place(std::size_t from) {
+    return (from + alignof(U) - 1) / alignof(U) * alignof(U);
+  }
+  template <class U> MPMPBD_HD static U* array(char* from, std::size_t at) {
+    return from != nullptr ? reinterpret_cast<U*>(from + at) : nullptr;
   }
 };
 
 template <class T, class Form>
-MPMPBD_HD std::size_t cut_workspace(char* memory, ExchangeCapacity const& c,
-                                    ExchangeView<T, Form>& x) {
-  Cutter cutter{memory};
+MPMPBD_HD Cutter cut_workspace(char* memory, FastMemory const& fast, ExchangeCapacity const& c,
+                               ExchangeView<T, Form>& x) {
+  Cutter cutter{memory, fast};
   int const per_point = nodes_per_point<typename Form::Shape>, pairs = c.points() * per_point;
   auto& t = x.thread_work;
-  t.base = cutter.cut<BeadBlocks<T, Form::bends>>(c.beads);
-  t.blocks = cutter.cut<BeadBlocks<T, Form::bends>>(c.beads);
-  t.factors = cutter.cut<BeadFactor<T, Form::bends>>(c.beads);
-  t.links = cutter.cut<Link<T>>(c.beads);
-  t.length = cutter.cut<T>(c.beads);
-  t.tangent = cutter.cut<Vec3<T>>(c.beads);
-  t.gap_speed = cutter.cut<T>(c.beads);
-  t.inertia = cutter.cut<Vec3<T>>(c.beads);
-  t.trial = cutter.cut<Vec3<T>>(c.beads);
-  t.trial_impulse = cutter.cut<T>(c.beads);
+  t.base = cutter.cut_fast<BeadBlocks<T, Form::bends>>(c.beads);
+  t.blocks = cutter.cut_fast<BeadBlocks<T, Form::bends>>(c.beads);
+  t.factors = cutter.cut_fast<BeadFactor<T, Form::bends>>(c.beads);
+  t.links = cutter.cut_fast<Link<T>>(c.beads);
+  t.length = cutter.cut_fast<T>(c.beads);
+  t.tangent = cutter.cut_fast<Vec3<T>>(c.beads);
+  t.gap_speed = cutter.cut_fast<T>(c.beads);
+  t.inertia = cutter.cut_fast<Vec3<T>>(c.beads);
+  t.trial = cutter.cut_fast<Vec3<T>>(c.beads);
+  t.trial_impulse = cutter.cut_fast<T>(c.beads);
   t.alone = cutter.cut<Vec3<T>>(c.beads);
   t.alone_impulse = cutter.cut<T>(c.beads);
-  t.head = cutter.cut<ChainHead<T, Form::bends>>(1);
-  t.reduced = cutter.cut<Vec3<T>>(c.beads);
-  t.reduced_impulse = cutter.cut<T>(c.beads);
-  if constexpr (Form::bends) t.joints = cutter.cut<Joint<T>>(c.beads);
+  t.head = cutter.cut_fast<ChainHead<T, Form::bends>>(1);
+  t.reduced = cutter.cut_fast<Vec3<T>>(c.beads);
+  t.reduced_impulse = cutter.cut_fast<T>(c.beads);
+  x.scratch = cutter.cut_fast<ExchangeScratch<T>>(1);
+  x.work = cutter.cut_fast<PointWork<T>>(c.points());
+  x.on = cutter.cut_fast<bool>(c.points());
+  if constexpr (Form::bends) t.joints = cutter.cut_fast<Joint<T>>(c.beads);
   auto& i = x.incidence;
   i.node_capacity = c.nodes<typename Form::Shape>();
   i.point_capacity = c.points();
@@ -65,10 +92,7 @@ MPMPBD_HD std::size_t cut_workspace(char* memory, ExchangeCapacity const& c,
   i.pairs = cutter.cut<int>(pairs);
   i.nodes = cutter.cut<TouchedNode<T>>(i.node_capacity);
   i.counters = cutter.cut<int>(2);
-  x.work = cutter.cut<PointWork<T>>(c.points());
-  x.on = cutter.cut<bool>(c.points());
-  x.scratch = cutter.cut<ExchangeScratch<T>>(1);
-  return cutter.used;
+  return cutter;
 }
 
 }  // namespace detail
@@ -76,15 +100,23 @@ MPMPBD_HD std::size_t cut_workspace(char* memory, ExchangeCapacity const& c,
 // Bytes of work memory; it need not be kept or cleared between substeps.
 template <class T, class Form> MPMPBD_HD std::size_t exchange_bytes(ExchangeCapacity const& c) {
   ExchangeView<T, Form> x{};
-  return detail::cut_workspace<T, Form>(nullptr, c, x);
+  return detail::cut_workspace<T, Form>(nullptr, {}, c, x).used;
+}
+// Bytes of fast memory that it can make use of.
+template <class T, class Form>
+MPMPBD_HD std::size_t exchange_fast_bytes(ExchangeCapacity const& c) {
+  ExchangeView<T, Form> x{};
+  FastMemory const all{nullptr, ~std::size_t{0}};
+  return detail::cut_workspace<T, Form>(nullptr, all, c, x).fast_used;
 }
 
-// Points the work arrays of x into `memory` (exchange_bytes long, aligned for double). `slot_of_node` has
-// one int per lattice node, all -1 before the first exchange; every exchange leaves it so.
+// Points the work arrays of x into `memory` (exchange_bytes long, aligned for double), those that are waited for most
+// into `fast`. `slot_of_node` has one int per lattice node, all -1 before the first exchange; every exchange leaves
+// it so.
 template <class T, class Form>
 MPMPBD_HD void use_workspace(ExchangeView<T, Form>& x, ExchangeCapacity const& c, void* memory,
-                             int* slot_of_node) {
-  detail::cut_workspace<T, Form>(static_cast<char*>(memory), c, x);
+                             int* slot_of_node, FastMemory const& fast = {}) {
+  detail::cut_workspace<T, Form>(static_cast<char*>(memory), fast, c, x);
   x.incidence.slot_of_node = slot_of_node;
 }
 

@@ -39,12 +39,13 @@ template <class Scene, class T> struct Couple {
   static constexpr bool any = Stages::size > 0;
   using Team_ = std::conditional_t<overlaps, FirstThreads<team_size>, BlockTeam>;
 
-  // All stages of substep s; where others wait, they are let go as early as can be. Returns the faults met.
+  // All stages of substep s; where others wait, they are let go as early as can be. `fast`: launch.fast_bytes of
+  // shared memory. Returns the faults met.
   // A function of its own, which both forms of execution call.
   __device__ __noinline__ static std::uint32_t run(Launch<Scene, T> const& launch, std::int64_t env,
                                                    Arena<T> arena, unsigned* near,
                                                    StepRecord<Scene, T> const& record, int s,
-                                                   bool others_wait) {
+                                                   bool others_wait, char* fast) {
     Ctx const context = record.at(s);
     bool announced = !others_wait;
     Nodes_ const nodes{arena,
@@ -52,7 +53,8 @@ template <class Scene, class T> struct Couple {
                        launch.scratch + env * launch.scratch_stride,
                        launch.slot_of_node + env * static_cast<std::int64_t>(arena.count),
                        Near{near, launch.lattice},
-                       announced};
+                       announced,
+                       {fast, static_cast<std::size_t>(launch.fast_bytes)}};
     auto const faults = run_all(launch.fields(env), nodes, context, Stages{});
     nodes.let_others_go();
     return faults;

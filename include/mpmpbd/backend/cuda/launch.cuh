@@ -18,8 +18,9 @@ template <class Scene, class T> struct Launch {
   unsigned char const* mask;  // null: every environment moves, else those where it is not 0
   char* scratch;              // of the coupling, per environment
   std::int64_t scratch_stride;
-  int* slot_of_node;  // of the coupling, per environment and node; -1 between two exchanges
-  int* waiting;       // resident form: per environment and slot of a particle
+  int* slot_of_node;        // of the coupling, per environment and node; -1 between two exchanges
+  int* waiting;             // resident form: per environment and slot of a particle
+  std::int64_t fast_bytes;  // of shared memory for the coupling, per environment
 
   __device__ bool moves(std::int64_t env) const { return mask == nullptr || mask[env] != 0; }
   // Made where they are used: kept, their many pointers would crowd the registers.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <mpmpbd/backend/cuda/arena.cuh>
-#include <mpmpbd/coupling/incidence.hpp>
+#include <mpmpbd/coupling/workspace.hpp>
 
 namespace mpmpbd::cuda {
 
@@ -53,6 +53,7 @@ template <class Move, class Ctx, class Shape> struct NodesOfArena {
   int* slot_of_node;
   NearCells<T, Shape> near;
   bool& announced;
+  FastMemory fast;
 
   MPMPBD_HD T mass(int i) const { return arena.velocity[i].w; }
   MPMPBD_HD Vec3<T> velocity(int i) const {

@@ -28,9 +28,9 @@ template <class Scene> class ResidentBlock {
   using Ctx = typename StepRecord<Scene, float>::Ctx;
 
  public:
+  // Without the coupling's, which begins where these end.
   MPMPBD_HD static constexpr std::int64_t shared_bytes(std::int64_t nodes) {
-    return Arena<float>::bytes(nodes) + Near::bytes(nodes) + 16 +
-           static_cast<std::int64_t>(sizeof(Shared<Scene>));
+    return aligned(shared_at(nodes) + static_cast<std::int64_t>(sizeof(Shared<Scene>)));
   }
 
   __device__ ResidentBlock(Launch<Scene, float> const& launch, char* memory)
@@ -80,9 +80,14 @@ template <class Scene> class ResidentBlock {
   }
 
  private:
+  MPMPBD_HD static constexpr std::int64_t aligned(std::int64_t bytes) {
+    return (bytes + 15) / 16 * 16;
+  }
+  MPMPBD_HD static constexpr std::int64_t shared_at(std::int64_t nodes) {
+    return aligned(Arena<float>::bytes(nodes) + Near::bytes(nodes));
+  }
   __device__ static Shared<Scene>& shared_part(char* memory, std::int64_t nodes) {
-    auto const used = Arena<float>::bytes(nodes) + Near::bytes(nodes);
-    return *reinterpret_cast<Shared<Scene>*>(memory + (used + 15) / 16 * 16);
+    return *reinterpret_cast<Shared<Scene>*>(memory + shared_at(nodes));
   }
   __device__ std::int64_t first() const { return launch_.first_particle(blockIdx.x); }
 
@@ -132,7 +137,7 @@ template <class Scene> class ResidentBlock {
     auto const arena = Arena<float>::at(memory, static_cast<int>(launch.lattice.count()));
     auto* const near = reinterpret_cast<unsigned*>(memory + Arena<float>::bytes(arena.count));
     return Coupling::run(launch, blockIdx.x, arena, near, shared_part(memory, arena.count), s,
-                         Coupling::overlaps);
+                         Coupling::overlaps, memory + shared_bytes(arena.count));
   }
 
   // First the particles that see no node of the coupling, in chunks for whoever is free; then those that waited.

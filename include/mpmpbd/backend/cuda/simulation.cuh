@@ -90,6 +90,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   cuda::Memory now, initial, work, mask;
   Tiled tiled;
   std::size_t work_stride = 0, waiting_at = 0, slots_at = 0;
+  std::int64_t fast_bytes = 0;  // of the coupling, in shared memory
 
   Device(Cuda where_, Base const& run)
       : where(where_),
@@ -150,7 +151,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                  "; use a grid of fewer nodes or larger cells, or tiled execution");
       cuda::require(cudaFuncSetAttribute(cuda::step<Scene, most_threads>,
                                          cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                         static_cast<int>(shared_bytes)),
+                                         static_cast<int>(shared_limit)),
                     "reserving shared memory for a program of this architecture");
     }
   }
@@ -229,9 +230,13 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
 
   // Work memory for the present numbers of beads, points and the like: it grows, and never holds history.
   template <class Contexts> void reserve(Base& run, Contexts const& context_of) {
-    std::size_t bytes = 16;
-    for (std::int64_t e = 0; e < run.environments(); ++e)
-      bytes = std::max(bytes, scratch_bytes(run.state(), e, context_of(e)));
+    std::size_t bytes = 16, fast = 0;
+    for (std::int64_t e = 0; e < run.environments(); ++e) {
+      auto const context = context_of(e);
+      bytes = std::max(bytes, scratch_bytes(run.state(), e, context));
+      fast = std::max(fast, fast_bytes_of(run.state(), e, context));
+    }
+    fast_bytes = std::min(static_cast<std::int64_t>(fast), fast_limit());
     bytes = Layout::aligned(bytes);
     if (bytes <= work_stride) return;
     auto const n = static_cast<std::size_t>(run.environments());
@@ -245,6 +250,20 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     work = cuda::Memory(slots_at + n * nodes * sizeof(int));
     cuda::require(cudaMemsetAsync(work.as(slots_at), 0xff, n * nodes * sizeof(int), stream),
                   "clearing work memory");
+  }
+  // What the grid leaves of the shared memory; the tiled form takes no more than every device gives unasked.
+  std::int64_t fast_limit() const {
+    return resident ? shared_limit - shared_bytes : std::int64_t{48 << 10};
+  }
+  template <class Ctx>
+  static std::size_t fast_bytes_of(Store& store, std::int64_t env, Ctx const& context) {
+    std::size_t most = 0;
+    auto const fields = access_environment(store, env, typename Store::Domains{});
+    for_each_type(typename Scene::Substep::Stages{}, [&]<class S>(std::type_identity<S>) {
+      if constexpr (requires { S::fast_bytes(fields, context); })
+        most = std::max(most, S::fast_bytes(fields, context));
+    });
+    return most;
   }
   template <class Ctx>
   static std::size_t scratch_bytes(Store& store, std::int64_t env, Ctx const& context) {
@@ -266,11 +285,13 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                         work.as(),
                                         static_cast<std::int64_t>(work_stride),
                                         work.as<int>(slots_at),
-                                        work.as<int>(waiting_at)};
+                                        work.as<int>(waiting_at),
+                                        fast_bytes};
     if constexpr (may_be_resident) {
       if (resident)
         return cuda::start(stream, "a step", cuda::step<Scene, most_threads>, run.environments(),
-                           where.threads, static_cast<std::size_t>(shared_bytes), launch);
+                           where.threads, static_cast<std::size_t>(shared_bytes + fast_bytes),
+                           launch);
     }
     tiled.run(launch, where.threads, stream);
   }

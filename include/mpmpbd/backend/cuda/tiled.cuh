@@ -178,9 +178,13 @@ template <class Scene, class T> class TiledEnvironment {
     control.finish(record.clock, done);
     record.moves = false;
   }
-  __device__ void couple(Record& record, int s) const {
-    if constexpr (Coupling::any)
-      record.note(Coupling::run(step(), block_.env, block_.arena(), nullptr, record, s, false), s);
+  __device__ void couple([[maybe_unused]] Record& record, [[maybe_unused]] int s) const {
+    if constexpr (Coupling::any) {
+      alignas(16) extern __shared__ char dynamic_shared_memory[];
+      record.note(Coupling::run(step(), block_.env, block_.arena(), nullptr, record, s, false,
+                                dynamic_shared_memory),
+                  s);
+    }
   }
 
   TiledBlock<Scene, T> block_;
@@ -215,8 +219,8 @@ template <class Scene, class T, int most_threads> class TiledSteps {
     TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
                                        memory_.as(grids_at(environments_)), memory_.as<int>()};
     auto const environment = [&](int s) {
-      start(stream, "a step", tiled_environment<Scene, T>, environments_, Environment::threads, 0,
-            launch, s);
+      start(stream, "a step", tiled_environment<Scene, T>, environments_, Environment::threads,
+            static_cast<std::size_t>(step.fast_bytes), launch, s);
     };
     auto const parts_of = [&](std::int64_t items) {
       return items > 0 ? static_cast<int>((items + threads - 1) / threads) : 1;
