@@ -21,7 +21,9 @@ struct Cuda {
 
   int device = 0;
   void* stream = nullptr;  // a cudaStream_t of that device; null: its default stream
-  int threads = 512;       // of a block: 128 to 512, a multiple of 32; bits do not depend on it
+  // Of a block: 128 to 512, a multiple of 32. 0: 512, or fewer where environments share a multiprocessor. Bits do not
+  // depend on it
+  int threads = 0;
   Execution execution = Execution::automatic;  // nor on this
 };
 

@@ -24,16 +24,21 @@ template <class... Ss> struct TogetherOf<TypeList<Ss...>> {
   using type = join_t<std::conditional_t<is_together<Ss>, TypeList<Ss>, TypeList<>>...>;
   static constexpr bool overlap = (may_overlap<Ss>() && ...) && type::size > 0;
 };
+template <class Scene>
+inline constexpr bool couples = TogetherOf<typename Scene::Substep::Stages>::type::size > 0;
 }  // namespace detail
 
-template <class Scene, class T> struct Couple {
+// Threads that carry out a coupling.
+inline constexpr int team_size = 128;
+
+template <class Scene, class T, class Grid> struct Couple {
   using Shape = typename Scene::Body::Shape;
   using Together = detail::TogetherOf<typename Scene::Substep::Stages>;
   using Stages = typename Together::type;
   using Near = NearCells<T, Shape>;
   using Ctx = typename StepRecord<Scene, T>::Ctx;
-  using Nodes_ = NodesOfArena<MoveNodes<typename Scene::Body, typename Scene::Effects>, Ctx, Shape>;
-  static constexpr int team_size = 128;
+  using Nodes_ =
+      NodesOfArena<Grid, MoveNodes<typename Scene::Body, typename Scene::Effects>, Ctx, Shape>;
   // Whether other threads of the block may go on meanwhile.
   static constexpr bool overlaps = Together::overlap;
   static constexpr bool any = Stages::size > 0;
@@ -41,11 +46,9 @@ template <class Scene, class T> struct Couple {
 
   // All stages of substep s; where others wait, they are let go as early as can be. `fast`: launch.fast_bytes of
   // shared memory. Returns the faults met.
-  // A function of its own, which both forms of execution call.
-  __device__ __noinline__ static std::uint32_t run(Launch<Scene, T> const& launch, std::int64_t env,
-                                                   Arena<T> arena, unsigned* near,
-                                                   StepRecord<Scene, T> const& record, int s,
-                                                   bool others_wait, char* fast) {
+  __device__ static std::uint32_t run(Launch<Scene, T> const& launch, std::int64_t env, Grid arena,
+                                      unsigned* near, StepRecord<Scene, T> const& record, int s,
+                                      bool others_wait, char* fast) {
     Ctx const context = record.at(s);
     bool announced = !others_wait;
     Nodes_ const nodes{arena,

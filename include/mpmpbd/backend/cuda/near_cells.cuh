@@ -45,9 +45,9 @@ template <class T, class Shape> struct NearCells {
 };
 
 // Nodes as a coupling sees them: `team` works on it, the rest of the block waits until it knows which nodes.
-template <class Move, class Ctx, class Shape> struct NodesOfArena {
+template <class Grid, class Move, class Ctx, class Shape> struct NodesOfArena {
   using T = typename Ctx::Scalar;
-  Arena<T> arena;
+  Grid arena;
   Ctx const& context;
   void* scratch;
   int* slot_of_node;
@@ -55,13 +55,13 @@ template <class Move, class Ctx, class Shape> struct NodesOfArena {
   bool& announced;
   FastMemory fast;
 
-  MPMPBD_HD T mass(int i) const { return arena.velocity[i].w; }
+  MPMPBD_HD T mass(int i) const { return arena.velocity.mass(i); }
   MPMPBD_HD Vec3<T> velocity(int i) const {
     auto const v = arena.velocity[i];
-    return {{v.x, v.y, v.z}};
+    return {{v[0], v[1], v[2]}};
   }
   MPMPBD_HD void set_velocity(int i, Vec3<T> const& v) const {
-    arena.velocity[i] = {v[0], v[1], v[2], mass(i)};
+    arena.velocity.set(i, quad(v[0], v[1], v[2], mass(i)));
   }
   MPMPBD_HD Vec3<T> inverse_mass(int i) const {
     auto const& lattice = context.lattice;

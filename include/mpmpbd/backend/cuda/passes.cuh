@@ -34,16 +34,16 @@ struct Met {
   unsigned now = 0, next = 0;
 };
 
-template <class Scene, class T> struct ParticlePasses {
+template <class Scene, class T, class Grid> struct ParticlePasses {
   using Body = typename Scene::Body;
   using P2G = ParticlesToGrid<Body, typename Scene::Effects>;
   using G2P = GridToParticles<Body, typename Scene::Effects>;
   using Ctx = typename StepRecord<Scene, T>::Ctx;
 
   Launch<Scene, T> const& launch;
-  Arena<T> arena;
+  Grid arena;
   FixedPoint<T> unit;
-  Arena<T> before{};  // where the transfer needs the previous grid
+  Grid before{};  // where the transfer needs the previous grid
 
   __device__ __forceinline__ void scatter(std::int64_t index, Ctx const& next, Met& met) const {
     visit<Single<P2G>>(index, [&](auto& p) { met.next |= P2G::run(p, sums(), next); });
@@ -55,6 +55,7 @@ template <class Scene, class T> struct ParticlePasses {
                                                      Ctx const& next, Met& met) const {
     visit<Fused<G2P, P2G>>(index, [&](auto& p) {
       met.now |= G2P::run(p, velocities(), now);
+      keep_apart(p);
       met.next |= P2G::run(p, sums(), next);
     });
   }
@@ -63,15 +64,33 @@ template <class Scene, class T> struct ParticlePasses {
   static constexpr bool looks_back = Body::Transfer::needs_previous_grid;
   __device__ __forceinline__ auto sums() const {
     if constexpr (looks_back)
-      return SumsOfBoth<T>{{arena, launch.lattice, unit}, before};
+      return SumsOfBoth<Grid, T>{{arena, launch.lattice, unit}, before};
     else
-      return SumsOfArena<T>{arena, launch.lattice, unit};
+      return SumsOfArena<Grid, T>{arena, launch.lattice, unit};
   }
   __device__ __forceinline__ auto velocities() const {
     if constexpr (looks_back)
-      return VelocitiesOfBoth<T>{{arena, launch.lattice}, before};
+      return VelocitiesOfBoth<Grid, T>{{arena, launch.lattice}, before};
     else
-      return VelocitiesOfArena<T>{arena, launch.lattice};
+      return VelocitiesOfArena<Grid, T>{arena, launch.lattice};
+  }
+  // What a stage leaves in registers is rounded as in memory: no product of one stage is fused with a sum of the next,
+  // and passes apart give the same bits.
+  template <class... Fs>
+  __device__ __forceinline__ static void keep_apart(Local<T, Fields<Fs...>>& p) {
+    (keep_apart(p[Fs{}]), ...);
+  }
+  template <class Value>
+  __device__ __forceinline__ static void keep_apart([[maybe_unused]] Value& v) {
+    if constexpr (requires { Value::size; }) {
+      for (int i = 0; i < Value::size; ++i) keep_apart(v[i]);
+    }
+#if defined(__CUDA_ARCH__)
+    else if constexpr (std::is_same_v<Value, float>)
+      asm volatile("" : "+f"(v));
+    else if constexpr (std::is_same_v<Value, double>)
+      asm volatile("" : "+d"(v));
+#endif
   }
   template <class Pass, class Function>
   __device__ __forceinline__ void visit(std::int64_t index, Function const& f) const {

@@ -1,6 +1,9 @@
 // Resident execution: one thread block holds the grid of one environment in shared memory and runs all substeps of
 // a step in one launch: scatter, (n - 1) x fused gather and scatter, gather.
 //
+// A coupling has serial parts for which everybody waits. With one, velocities take the place of their sums, and gather and
+// scatter are passes apart: a multiprocessor holds twice as many environments, and one works while another waits.
+//
 // Stages are the scene's own. A coupling is carried out by the first threads of the block; as soon as it says
 // which nodes it may change, the others take the particles that see none of them. Sums are integers, so bits do
 // not depend on who came first.
@@ -23,7 +26,10 @@ template <class Scene> struct Shared : StepRecord<Scene, float> {
 template <class Scene> class ResidentBlock {
   using In = typename Scene::In;
   using Move = MoveNodes<typename In::Body, typename In::Effects>;
-  using Coupling = Couple<Scene, float>;
+  using Grid = std::conditional_t<detail::couples<Scene>, Arena<float, VelocitiesInPlace>,
+                                  Arena<float, VelocitiesApart>>;
+  using Coupling = Couple<Scene, float, Grid>;
+  using Passes = ParticlePasses<Scene, float, Grid>;
   using Near = typename Coupling::Near;
   using Ctx = typename StepRecord<Scene, float>::Ctx;
 
@@ -35,10 +41,8 @@ template <class Scene> class ResidentBlock {
 
   __device__ ResidentBlock(Launch<Scene, float> const& launch, char* memory)
       : launch_(launch),
-        memory_(memory),
-        arena_(Arena<float>::at(memory, static_cast<int>(launch.lattice.count()))),
-        near_{reinterpret_cast<unsigned*>(memory + Arena<float>::bytes(arena_.count)),
-              launch.lattice},
+        arena_(Grid::at(memory, static_cast<int>(launch.lattice.count()))),
+        near_{reinterpret_cast<unsigned*>(memory + Grid::bytes(arena_.count)), launch.lattice},
         shared_(shared_part(memory, arena_.count)),
         live_(launch.live_particles(blockIdx.x)) {}
 
@@ -55,24 +59,30 @@ template <class Scene> class ResidentBlock {
     }
     Ctx const& context = shared_.context;
     auto const at = [&](int s) { return StepRecord<Scene, float>::at(context, clock, s); };
-    ParticlePasses<Scene, float> const passes{launch_, arena_, shared_.fixed_point()};
-    arena_.clear_sums();
-    __syncthreads();
-    scatter(passes, at(0));
+    Passes const passes{launch_, arena_, shared_.fixed_point()};
+    if constexpr (!Grid::in_place) scatter(passes, at(0), 0);
     int done = 0;
     for (; done < clock.substeps; ++done) {
       __syncthreads();
       if (done > 0) close(control, done - 1);
       near_.clear();
-      Ctx const now = at(done);
-      shared_.note(move_nodes<Move>(arena_, Run{0, arena_.count}, now, passes.unit), done);
       if (__syncthreads_or(threadIdx.x == 0 && shared_.frozen)) break;
-      if (done + 1 < clock.substeps)
-        advance(done, [&](std::int64_t index, Met& met) {
-          passes.gather_and_scatter(index, now, at(done + 1), met);
-        });
-      else
-        advance(done, [&](std::int64_t index, Met& met) { passes.gather(index, now, met); });
+      Ctx const now = at(done);
+      if constexpr (Grid::in_place) {
+        scatter(passes, now, done);
+        __syncthreads();
+      }
+      shared_.note(move_nodes<Move>(arena_, Run{0, arena_.count}, now, passes.unit), done);
+      __syncthreads();
+      if constexpr (!Grid::in_place) {
+        if (done + 1 < clock.substeps) {
+          advance(done, [&](std::int64_t index, Met& met) {
+            passes.gather_and_scatter(index, now, at(done + 1), met);
+          });
+          continue;
+        }
+      }
+      advance(done, [&](std::int64_t index, Met& met) { passes.gather(index, now, met); });
     }
     __syncthreads();
     if (done == clock.substeps) close(control, done - 1);
@@ -84,7 +94,7 @@ template <class Scene> class ResidentBlock {
     return (bytes + 15) / 16 * 16;
   }
   MPMPBD_HD static constexpr std::int64_t shared_at(std::int64_t nodes) {
-    return aligned(Arena<float>::bytes(nodes) + Near::bytes(nodes));
+    return aligned(Grid::bytes(nodes) + Near::bytes(nodes));
   }
   __device__ static Shared<Scene>& shared_part(char* memory, std::int64_t nodes) {
     return *reinterpret_cast<Shared<Scene>*>(memory + shared_at(nodes));
@@ -104,11 +114,14 @@ template <class Scene> class ResidentBlock {
     if (threadIdx.x == 0) shared_.close(control, s);
   }
 
-  __device__ void scatter(ParticlePasses<Scene, float> const& passes, Ctx const& context) {
+  // All particles to a grid without anything, for substep s.
+  __device__ void scatter(Passes const& passes, Ctx const& context, int s) {
+    arena_.clear_sums();
+    __syncthreads();
     Met met;
     Run{0, live_}.each([&](int slot) { passes.scatter(first() + slot, context, met); });
     if (threadIdx.x == 0) shared_.taken = shared_.waiting = 0;
-    shared_.note(met.next, 0);
+    shared_.note(met.next, s);
   }
 
   // Coupling and particles of substep s.
@@ -116,14 +129,14 @@ template <class Scene> class ResidentBlock {
     Met met;
     auto const one = [&](int slot) { f(first() + slot, met); };
     if constexpr (Coupling::overlaps) {
-      if (threadIdx.x < Coupling::team_size)
-        met.now |= couple(launch_, memory_, s);
+      if (threadIdx.x < team_size)
+        met.now |= couple(launch_, s);
       else
         Coupling::Nodes_::meet_others();
       take_particles(one);
     } else {
       if constexpr (Coupling::any) {
-        met.now |= couple(launch_, memory_, s);
+        met.now |= couple(launch_, s);
         __syncthreads();
       }
       Run{0, live_}.each(one);
@@ -132,10 +145,11 @@ template <class Scene> class ResidentBlock {
     shared_.note(met.next, s + 1);
   }
   // A function of its own, told little: what its call takes must not crowd the particles' registers.
-  __device__ __noinline__ static std::uint32_t couple(Launch<Scene, float> const& launch,
-                                                      char* memory, int s) {
-    auto const arena = Arena<float>::at(memory, static_cast<int>(launch.lattice.count()));
-    auto* const near = reinterpret_cast<unsigned*>(memory + Arena<float>::bytes(arena.count));
+  __device__ __noinline__ static std::uint32_t couple(Launch<Scene, float> const& launch, int s) {
+    alignas(16) extern __shared__ char dynamic_shared_memory[];
+    char* const memory = dynamic_shared_memory;
+    auto const arena = Grid::at(memory, static_cast<int>(launch.lattice.count()));
+    auto* const near = reinterpret_cast<unsigned*>(memory + Grid::bytes(arena.count));
     return Coupling::run(launch, blockIdx.x, arena, near, shared_part(memory, arena.count), s,
                          Coupling::overlaps, memory + shared_bytes(arena.count));
   }
@@ -179,8 +193,7 @@ template <class Scene> class ResidentBlock {
   }
 
   Launch<Scene, float> const& launch_;
-  char* memory_;
-  Arena<float> arena_;
+  Grid arena_;
   Near near_;
   Shared<Scene>& shared_;
   int live_;

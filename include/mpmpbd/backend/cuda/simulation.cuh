@@ -77,7 +77,8 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   using Layout = cuda::Layout<Store>;
   using Tables = cuda::TablesOf<Scene, T>;
   using Block = cuda::ResidentBlock<Scene>;
-  static constexpr int fewest_threads = cuda::Couple<Scene, T>::team_size, most_threads = 512;
+  static constexpr int fewest_threads = 128, most_threads = 512;
+  static_assert(fewest_threads >= cuda::team_size);
   // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
   static constexpr bool looks_back = Scene_::Body::Transfer::needs_previous_grid;
   static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
@@ -91,15 +92,19 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   Tiled tiled;
   std::size_t work_stride = 0, waiting_at = 0, slots_at = 0;
   std::int64_t fast_bytes = 0;  // of the coupling, in shared memory
+  int threads = most_threads;   // of a block
 
   Device(Cuda where_, Base const& run)
       : where(where_),
         stream(static_cast<cudaStream_t>(where_.stream)),
         shared_bytes(Block::shared_bytes(run.lattice().count())) {
-    if (where.threads < fewest_threads || where.threads > most_threads || where.threads % 32 != 0)
+    bool const allowed =
+        where.threads >= fewest_threads && where.threads <= most_threads && where.threads % 32 == 0;
+    if (!allowed && where.threads != 0)
       throw std::invalid_argument("mpmpbd Cuda: threads = " + std::to_string(where.threads) +
                                   "; give a multiple of 32 from " + std::to_string(fewest_threads) +
-                                  " to " + std::to_string(most_threads));
+                                  " to " + std::to_string(most_threads) +
+                                  ", or 0 for its own choice");
     if (run.options().strict)
       throw std::invalid_argument(
           "mpmpbd Cuda: strict = true; a device finds the stable limit inside the step and sets "
@@ -112,11 +117,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                " with a working driver");
     }
     cuda::OnDevice const here(where.device);
-    int most = 0;
-    cuda::require(
-        cudaDeviceGetAttribute(&most, cudaDevAttrMaxSharedMemoryPerBlockOptin, where.device),
-        "asking for the shared memory");
-    shared_limit = most;
+    shared_limit = attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
     resident = where.execution == Cuda::Execution::automatic
                    ? fits()
                    : where.execution == Cuda::Execution::resident;
@@ -125,6 +126,24 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     else
       check_tiled(run);
     take_memory(run);
+  }
+
+  std::int64_t attribute(cudaDeviceAttr which) const {
+    int value = 0;
+    cuda::require(cudaDeviceGetAttribute(&value, which, where.device), "asking what it has");
+    return value;
+  }
+  // Environments share a multiprocessor, as many as its registers and its shared memory hold.
+  int threads_for(std::int64_t environments) const {
+    if (where.threads != 0) return where.threads;
+    if (!resident) return most_threads;
+    auto const bytes =
+        shared_bytes + fast_bytes + attribute(cudaDevAttrReservedSharedMemoryPerBlock);
+    auto const hold = attribute(cudaDevAttrMaxSharedMemoryPerMultiprocessor) / bytes;
+    auto const processors = attribute(cudaDevAttrMultiProcessorCount);
+    auto const share = std::min(hold, (environments + processors - 1) / processors);
+    auto const blocks = std::clamp<std::int64_t>(share, 1, most_threads / fewest_threads);
+    return static_cast<int>(most_threads / blocks / 32 * 32);
   }
 
   bool fits() const { return may_be_resident && shared_bytes <= shared_limit; }
@@ -237,6 +256,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
       fast = std::max(fast, fast_bytes_of(run.state(), e, context));
     }
     fast_bytes = std::min(static_cast<std::int64_t>(fast), fast_limit());
+    threads = threads_for(run.environments());
     bytes = Layout::aligned(bytes);
     if (bytes <= work_stride) return;
     auto const n = static_cast<std::size_t>(run.environments());
@@ -251,9 +271,13 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     cuda::require(cudaMemsetAsync(work.as(slots_at), 0xff, n * nodes * sizeof(int), stream),
                   "clearing work memory");
   }
-  // What the grid leaves of the shared memory; the tiled form takes no more than every device gives unasked.
+  // What the grid leaves of the shared memory, and of half a multiprocessor's where its half holds the grid; the tiled form
+  // takes no more than every device gives unasked.
   std::int64_t fast_limit() const {
-    return resident ? shared_limit - shared_bytes : std::int64_t{48 << 10};
+    if (!resident) return std::int64_t{48 << 10};
+    auto const half = attribute(cudaDevAttrMaxSharedMemoryPerMultiprocessor) / 2 -
+                      attribute(cudaDevAttrReservedSharedMemoryPerBlock);
+    return (shared_bytes <= half ? half : shared_limit) - shared_bytes;
   }
   template <class Ctx>
   static std::size_t fast_bytes_of(Store& store, std::int64_t env, Ctx const& context) {
@@ -290,10 +314,9 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     if constexpr (may_be_resident) {
       if (resident)
         return cuda::start(stream, "a step", cuda::step<Scene, most_threads>, run.environments(),
-                           where.threads, static_cast<std::size_t>(shared_bytes + fast_bytes),
-                           launch);
+                           threads, static_cast<std::size_t>(shared_bytes + fast_bytes), launch);
     }
-    tiled.run(launch, where.threads, stream);
+    tiled.run(launch, threads, stream);
   }
   void reset(Base const& run, unsigned char const* of) const {
     cuda::start(stream, "a reset", cuda::reset<Scene, T>, run.environments(), 256, 0,

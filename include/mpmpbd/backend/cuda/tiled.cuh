@@ -93,7 +93,8 @@ __global__ void __launch_bounds__(threads)
   auto const clock = record.clock;
   auto const context = record.context;
   auto const at = [&](int n) { return StepRecord<Scene, T>::at(context, clock, n); };
-  ParticlePasses<Scene, T> const passes{launch.step, block.arena(), record.unit, block.before()};
+  ParticlePasses<Scene, T, Arena<T>> const passes{launch.step, block.arena(), record.unit,
+                                                  block.before()};
   Met met;
   // One particle a thread: a loop would hold in registers what all of its turns need.
   Run const slots = block.particles();
@@ -126,10 +127,10 @@ __global__ void tiled_nodes(__grid_constant__ TiledLaunch<Scene, T> const launch
 // What concerns an environment as a whole, by one block each: its step is opened, its substeps are chosen, what the
 // last substep has met is counted and the coupling of the next carried out.
 template <class Scene, class T> class TiledEnvironment {
-  using Coupling = Couple<Scene, T>;
+  using Coupling = Couple<Scene, T, Arena<T>>;
 
  public:
-  static constexpr int threads = Coupling::team_size;
+  static constexpr int threads = team_size;
   static constexpr int opens = -2, chooses = -1;  // else: the substep that is coupled
 
   __device__ explicit TiledEnvironment(TiledLaunch<Scene, T> const& launch)
