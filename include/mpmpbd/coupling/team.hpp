@@ -5,6 +5,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstdint>
 
 #include <mpmpbd/core/config.hpp>
 
@@ -14,29 +15,50 @@ namespace detail {
 struct TeamProbe {
   MPMPBD_HD void operator()(int) const {}
   MPMPBD_HD void operator()() const {}
+  template <class Group_> MPMPBD_HD void operator()(Group_ const&, int) const {}
 };
 }  // namespace detail
 
+// Lanes that look into one matter together: all of them run the same text, each with variables of its own.
+//
+// each, one and sync are as of a team. min(a), sum(n): over what the lanes bring, known to all of them. Neither
+// depends on how many lanes there are; a NaN loses against any number.
+template <class Group_> concept Group = requires(Group_ const& group, detail::TeamProbe f) {
+  group.each(1, f);
+  group.one(f);
+  group.sync();
+  { group.min(1.0f) } -> std::same_as<float>;
+  { group.min(std::int64_t{1}) } -> std::same_as<std::int64_t>;
+  { group.sum(1) } -> std::same_as<int>;
+};
+
 // each(n, f): f(0) ... f(n-1), spread over the lanes, in no order. one(f): f() on one lane.
-// sync(): what any lane wrote before is seen by all lanes after. Neither each nor one waits by itself.
+// groups(n, f): f(group, 0) ... f(group, n-1), each by all lanes of one group, in no order.
+// sync(): what any lane wrote before is seen by all lanes after. Nothing else waits for the team.
 // add(counter, n): adds n, returns the value before. claim(mark, from, to): sets mark to `to` for the
 // one caller that found `from` there, and tells that caller.
 template <class Team_>
 concept Team = requires(Team_ const& team, detail::TeamProbe f, int& counter) {
   team.each(1, f);
   team.one(f);
+  team.groups(1, f);
   team.sync();
   { team.add(counter, 1) } -> std::same_as<int>;
   { team.claim(counter, 0, 1) } -> std::same_as<bool>;
 };
 
-// One lane.
+// One lane: a team, and its only group.
 struct Solo {
   template <class F> MPMPBD_HD void each(int n, F const& f) const {
     for (int i = 0; i < n; ++i) f(i);
   }
   template <class F> MPMPBD_HD void one(F const& f) const { f(); }
+  template <class F> MPMPBD_HD void groups(int n, F const& f) const {
+    for (int i = 0; i < n; ++i) f(*this, i);
+  }
   MPMPBD_HD void sync() const {}
+  template <class T> MPMPBD_HD T min(T a) const { return a; }
+  MPMPBD_HD int sum(int a) const { return a; }
   MPMPBD_HD int add(int& counter, int amount) const {
     int const before = counter;
     counter += amount;
@@ -49,6 +71,6 @@ struct Solo {
   }
 };
 
-static_assert(Team<Solo>);
+static_assert(Team<Solo> && Group<Solo>);
 
 }  // namespace mpmpbd

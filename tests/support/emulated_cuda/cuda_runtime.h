@@ -101,15 +101,20 @@ class Block {
     any_ = false;
     return result;
   }
-  // What all lanes of the present warp bring, by lane.
-  std::vector<int> const& gather(int value) {
-    unsigned const warp = threadIdx.x / 32;
-    auto& values = warps_[warp];
-    values.resize(32);
-    wait(first_warp_barrier + 2 * warp, 32);  // all have read what was there before
-    values[threadIdx.x % 32] = value;
-    wait(first_warp_barrier + 2 * warp + 1, 32);
-    return values;
+  // What all lanes of the present warp bring, by lane. Who is here a second time knows that all have read what
+  // was there the time before, so two lists that take turns are enough.
+  template <class T> auto gather(T value) {
+    static_assert(sizeof(T) <= 8);
+    unsigned const warp = threadIdx.x / 32, lane = threadIdx.x % 32;
+    bool const turn = fibers_[threadIdx.x].turn = !fibers_[threadIdx.x].turn;
+    auto* values = warps_[warp].bytes[turn ? 1 : 0];
+    std::memcpy(values[lane], &value, sizeof value);
+    wait(first_warp_barrier + warp, 32);
+    return [values](unsigned of) {
+      T from;
+      std::memcpy(&from, values[of], sizeof from);
+      return from;
+    };
   }
 
  private:
@@ -117,7 +122,10 @@ class Block {
   static constexpr std::size_t stack_bytes = std::size_t{1} << 18;
   struct Fiber {
     ucontext_t context;
-    bool waits = false, ended = false;
+    bool waits = false, ended = false, turn = false;
+  };
+  struct WarpValues {
+    unsigned char bytes[2][32][8];
   };
   struct Barrier {
     unsigned here = 0;
@@ -174,7 +182,7 @@ class Block {
   std::vector<Fiber> fibers_;
   std::vector<unsigned> ready_;
   std::map<unsigned, Barrier> barriers_;
-  std::map<unsigned, std::vector<int>> warps_;
+  std::map<unsigned, WarpValues> warps_;
 };
 
 template <class... Args, std::size_t... i>
@@ -190,13 +198,17 @@ inline void __barrier_sync_count(unsigned id, unsigned count) {
   emulated::Block::running()->wait(id, count);
 }
 inline void __threadfence_block() {}
+inline void __syncwarp(unsigned) { emulated::Block::running()->gather(0); }
 inline int __shfl_sync(unsigned, int value, int lane) {
-  return emulated::Block::running()->gather(value)[static_cast<std::size_t>(lane)];
+  return emulated::Block::running()->gather(value)(static_cast<unsigned>(lane));
+}
+template <class T> T __shfl_xor_sync(unsigned, T value, int mask) {
+  return emulated::Block::running()->gather(value)(threadIdx.x % 32 ^ static_cast<unsigned>(mask));
 }
 inline unsigned __ballot_sync(unsigned, bool value) {
-  auto const& all = emulated::Block::running()->gather(value ? 1 : 0);
+  auto const all = emulated::Block::running()->gather(value);
   unsigned bits = 0;
-  for (unsigned lane = 0; lane < 32; ++lane) bits |= static_cast<unsigned>(all[lane]) << lane;
+  for (unsigned lane = 0; lane < 32; ++lane) bits |= static_cast<unsigned>(all(lane)) << lane;
   return bits;
 }
 inline int __popc(unsigned bits) { return std::popcount(bits); }
