@@ -58,7 +58,8 @@ namespace detail {
 
 struct AllTriangles {
   std::int64_t count;
-  template <class T, class F> void for_each(Vec3<T> const&, Vec3<T> const&, F&& f) const {
+  template <class T, class F>
+  void for_each(Solo const&, Vec3<T> const&, Vec3<T> const&, F&& f) const {
     for (std::int64_t k = 0; k < count; ++k) f(k);
   }
 };

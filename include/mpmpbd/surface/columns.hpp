@@ -49,16 +49,20 @@ template <class T, class Firsts, class Items> struct Columns {
   MPMPBD_HD std::int64_t columns() const { return static_cast<std::int64_t>(count[0]) * count[1]; }
 
   // Calls f(triangle) for the triangles of all columns that the rectangle [low, high] touches,
-  // column by column; one that lies over several columns comes several times.
+  // column by column; one that lies over several columns comes several times. The lanes of a group
+  // take the triangles by turns: those of a row of columns lie one after the other.
   template <class F> MPMPBD_HD void for_each(Vec3<T> const& low, Vec3<T> const& high, F&& f) const {
+    for_each(Solo{}, low, high, f);
+  }
+  template <class Group_, class F>
+  MPMPBD_HD void for_each(Group_ const& group, Vec3<T> const& low, Vec3<T> const& high,
+                          F&& f) const {
     int const i0 = column(0, low[0]), i1 = column(0, high[0]), j0 = column(1, low[1]),
               j1 = column(1, high[1]);
-    for (int j = j0; j <= j1; ++j)
-      for (int i = i0; i <= i1; ++i) {
-        std::int64_t const c = index(i, j);
-        std::int64_t const end = first(c + 1);
-        for (std::int64_t k = first(c); k < end; ++k) f(item(k));
-      }
+    for (int j = j0; j <= j1; ++j) {
+      std::int64_t const begin = first(index(i0, j)), end = first(index(i1, j) + 1);
+      group.each(static_cast<int>(end - begin), [&](int n) { f(item(begin + n)); });
+    }
   }
 
   // Builds the lists; returns Fault::overflow when they do not fit (no triangle is seen then, so the

@@ -8,16 +8,24 @@ namespace mpmpbd {
 
 // Whether x is inside the closed sheet: the parity of the crossings of the ray from x along +z. A
 // ray through edges and vertices counts each once. A point exactly on the sheet may be either.
-template <class S, class C, class T>
-MPMPBD_HD bool is_inside(S const& sheet, C const& columns, Vec3<T> const& x) {
+//
+// Here as below, the lanes of a group share the triangles; all of them ask for the same point and get
+// the same answer, that of one lane.
+template <class Group_, class S, class C, class T>
+MPMPBD_HD bool is_inside(Group_ const& group, S const& sheet, C const& columns, Vec3<T> const& x) {
   auto const line = SheetLine<T>::along(x, 2);
   int crossings = 0;
-  columns.for_each(x, x, [&](std::int64_t k) {
+  columns.for_each(group, x, x, [&](std::int64_t k) {
     auto const t = sheet.triangle(k);
     auto const hit = cross_projected(line.project(t.a), line.project(t.b), line.project(t.c));
     if (hit.hit && hit.z > T(0)) ++crossings;
   });
+  crossings = group.sum(crossings);
   return crossings % 2 == 1;
+}
+template <class S, class C, class T>
+MPMPBD_HD bool is_inside(S const& sheet, C const& columns, Vec3<T> const& x) {
+  return is_inside(Solo{}, sheet, columns, x);
 }
 
 template <class T> struct SurfacePoint {
@@ -29,48 +37,85 @@ template <class T> struct SurfacePoint {
   Vec3<T> normal;       // unit, outwards
 };
 
-// The nearest point of the surface, looked for up to `reach`; of equally near triangles the lowest
-// number.
-template <class S, class C, class T>
-MPMPBD_HD SurfacePoint<T> nearest_on_sheet(S const& sheet, C const& columns, Vec3<T> const& x,
-                                           T reach) {
-  std::int64_t best = -1;
-  OnTriangle<T> on{};
-  T distance = reach;
-  auto look = [&](std::int64_t k) {
+namespace detail {
+// The nearest triangle that one lane has seen.
+template <class T> struct NearestTriangle {
+  std::int64_t number;  // -1: none within reach
+  T distance;           // to it, or the reach [m]
+
+  template <class S> MPMPBD_HD void look(S const& sheet, std::int64_t k, Vec3<T> const& x) {
     auto const t = sheet.triangle(k);
-    for (int a = 0; a < 3; ++a) {  // the box around the triangle is already too far
-      T const gap =
-          max(min(t.a[a], min(t.b[a], t.c[a])) - x[a], x[a] - max(t.a[a], max(t.b[a], t.c[a])));
-      if (gap > distance) return;
-    }
-    auto const here = nearest_on_triangle(t, x);
-    T const d = norm(x - t.at(here.weights));
-    if (d < distance || (d == distance && (best < 0 || k < best))) {
-      best = k;
-      on = here;
-      distance = d;
-    }
-  };
-  // First the point's own column; then only as far as what was found there.
-  columns.for_each(x, x, look);
-  Vec3<T> const box{{distance, distance, distance}};
-  columns.for_each(x - box, x + box, look);
+    for (int a = 0; a < 3; ++a)
+      if (beyond(t.a[a], t.b[a], t.c[a], x[a])) return;
+    T const d = norm(x - t.at(nearest_on_triangle(t, x).weights));
+    if (d < distance || (d == distance && (number < 0 || k < number))) *this = {k, d};
+  }
+  // That of all lanes.
+  template <class Group_> MPMPBD_HD NearestTriangle of_all(Group_ const& group) const {
+    constexpr std::int64_t none = INT64_MAX;
+    T const least = group.min(distance);
+    std::int64_t const first = group.min(number >= 0 && distance == least ? number : none);
+    return {first == none ? -1 : first, least};
+  }
+
+ private:
+  // Whether the box around a triangle is too far along one axis. What rounding adds to a corner is
+  // allowed for, so that the order in which triangles come does not matter.
+  MPMPBD_HD bool beyond(T a, T b, T c, T x) const {
+    T const low = min(a, min(b, c)), high = max(a, max(b, c));
+    T const slack = T(16) * epsilon<T> * max(abs(low), abs(high));
+    return max(low - x, x - high) > distance + slack;
+  }
+};
+
+// What there is to know of a point x, `inside` the sheet or not, once its nearest triangle is known.
+template <class S, class T>
+MPMPBD_HD SurfacePoint<T> surface_point(S const& sheet, NearestTriangle<T> const& nearest,
+                                        Vec3<T> const& x, bool inside) {
   SurfacePoint<T> s{};
-  s.found = best >= 0;
-  s.inside = is_inside(sheet, columns, x);
-  s.distance = s.inside ? -distance : distance;
-  s.mark = {best, on.weights};
+  s.found = nearest.number >= 0;
+  s.inside = inside;
+  s.distance = inside ? -nearest.distance : nearest.distance;
+  s.mark = {nearest.number, {}};
   if (!s.found) return s;
-  auto const t = sheet.triangle(best);
+  auto const t = sheet.triangle(nearest.number);
+  auto const on = nearest_on_triangle(t, x);
+  s.mark.weights = on.weights;
   s.point = t.at(on.weights);
   s.normal = direction(t.area_normal());
   // Beside an edge or a vertex the face's normal is one of several; the way to the point is not.
   if (on.feature != Feature::face) {
     T const size = abs(t.b[0] - t.a[0]) + abs(t.b[1] - t.a[1]) + abs(t.b[2] - t.a[2]);
-    if (distance > T(1e-3) * size) s.normal = T(1) / s.distance * (x - s.point);
+    if (nearest.distance > T(1e-3) * size) s.normal = T(1) / s.distance * (x - s.point);
   }
   return s;
+}
+}  // namespace detail
+
+// The nearest point of the surface, looked for up to `reach`; of equally near triangles the lowest
+// number. `inside`: is_inside(x), where that is known already.
+template <class Group_, class S, class C, class T>
+MPMPBD_HD SurfacePoint<T> nearest_on_sheet(Group_ const& group, S const& sheet, C const& columns,
+                                           Vec3<T> const& x, T reach, bool inside) {
+  detail::NearestTriangle<T> nearest{-1, reach};
+  auto const look = [&](std::int64_t k) { nearest.look(sheet, k, x); };
+  // First the point's own column; then only as far as what was found there.
+  columns.for_each(group, x, x, look);
+  nearest = nearest.of_all(group);
+  T const r = nearest.distance;
+  Vec3<T> const box{{r, r, r}};
+  columns.for_each(group, x - box, x + box, look);
+  return detail::surface_point(sheet, nearest.of_all(group), x, inside);
+}
+template <class Group_, class S, class C, class T>
+MPMPBD_HD SurfacePoint<T> nearest_on_sheet(Group_ const& group, S const& sheet, C const& columns,
+                                           Vec3<T> const& x, T reach) {
+  return nearest_on_sheet(group, sheet, columns, x, reach, is_inside(group, sheet, columns, x));
+}
+template <class S, class C, class T>
+MPMPBD_HD SurfacePoint<T> nearest_on_sheet(S const& sheet, C const& columns, Vec3<T> const& x,
+                                           T reach) {
+  return nearest_on_sheet(Solo{}, sheet, columns, x, reach);
 }
 
 template <class T> struct Crossing {
