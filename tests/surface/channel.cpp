@@ -57,8 +57,8 @@ template <class T> struct Scene {
     update_members(points, beads, needle_points, swaged, at_bead, members(), tip, set(), 0,
                    held.sheet(), cell<T>);
     for (int q = 0; q < beads + needle_points; ++q)
-      faults |= settle_point(points, q, beads, set(), std::int64_t{0}, held.sheet(), held.columns(),
-                             cell<T>);
+      faults |= settle_point(Solo{}, points, q, beads, set(), std::int64_t{0}, held.sheet(),
+                             held.columns(), cell<T>);
   }
   Tip<T> tip() { return Tip<T>::load(needles.view(), env); }
   // A straight channel down from the top at (x, y).

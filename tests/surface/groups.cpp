@@ -10,6 +10,8 @@
 #include "lanes.hpp"
 #include "support/sanitized.hpp"
 
+#include <mpmpbd/surface/channel.hpp>
+
 using namespace mpmpbd;
 
 namespace {
@@ -126,5 +128,33 @@ TEST_CASE("the lanes of a group share the triangles of a rectangle of columns",
     });
     std::sort(seen.begin(), seen.end());
     CHECK(seen == expected);
+  }
+}
+
+TEMPLATE_TEST_CASE("a group is as far from a track as one lane", "[channel][group]", float,
+                   double) {
+  using T = TestType;
+  Table<T, Channels, channel::State> channels(1, 2);
+  Table<T, ChannelPoints, channel::PointState> track(1, 2 * 40);
+  auto const set = channel_set(channels.view(), track.view(), std::int64_t{0});
+  REQUIRE(set.open(0, {0, {}}, vec<T>(0, 0, 0)) == 0);
+  std::vector<Vec3<T>> x{vec<T>(0, 0, 0), vec<T>(T(0.1), T(0.3), T(-0.2))};
+  for (int points = 1; points < 40; points += 13) {
+    while (set.track_points(0) < points) {
+      T const a = T(0.1) * T(set.track_points(0));
+      REQUIRE(set.append(0, vec<T>(a, sin(a), cos(T(3) * a))) == 0);
+    }
+    x.push_back(set.track(0, points / 2));  // as near to the piece before as to the one after
+    for (int lanes : {1, 5, 32}) {
+      std::atomic<int> wrong{0};
+      test::run_on_lanes(lanes, [&](auto const& lane) {
+        for (auto const& p : x) {
+          T const d = set.distance_to_track(0, p);
+          wrong += set.distance_to_track(lane, 0, p) != d;
+          wrong += !set.near_track(lane, 0, p, d) || set.near_track(lane, 1, p, T(9));
+        }
+      });
+      CHECK(wrong == 0);
+    }
   }
 }

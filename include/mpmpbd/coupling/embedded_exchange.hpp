@@ -413,8 +413,8 @@ template <class In> struct ExchangeImpulses {
         embed_point(x, grid, k);
       });
       team.sync();
-      team.each(x.first_attached(), [&](int q) {
-        faults |= settle_point(x.points, q, x.thread_points(), channels, 0, sheet, columns,
+      team.groups(x.first_attached(), [&](auto const& group, int q) {
+        faults |= settle_point(group, x.points, q, x.thread_points(), channels, 0, sheet, columns,
                                context.lattice.dx);
       });
       team.sync();

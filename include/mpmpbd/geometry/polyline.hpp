@@ -22,6 +22,12 @@ MPMPBD_HD T nearest_on_segment(Vec3<T> const& a, Vec3<T> const& b, Vec3<T> const
   return square > T(0) ? clamp(dot(x - a, e) / square, T(0), T(1)) : T(0);
 }
 
+// How far the segment a-b is [m].
+template <class T>
+MPMPBD_HD T distance_to_segment(Vec3<T> const& a, Vec3<T> const& b, Vec3<T> const& x) {
+  return norm(x - (a + nearest_on_segment(a, b, x) * (b - a)));
+}
+
 // The nearest point of a polyline of `count` points; of equally near pieces the first.
 template <class Points, class T>
 MPMPBD_HD OnPolyline<T> nearest_on_polyline(Points const& point, std::int64_t count,

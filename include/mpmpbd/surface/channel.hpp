@@ -149,14 +149,30 @@ template <class View, class PointView> struct ChannelSet {
     return append(c, x);
   }
 
+  // The lanes of a group share the pieces of the track.
+  template <class Group_>
+  MPMPBD_HD T distance_to_track(Group_ const& group, std::int64_t c, Vec3<T> const& x) const {
+    auto const n = static_cast<int>(track_points(c));
+    if (n == 0) return T(0);
+    std::int64_t const first = point_item(c, 0);
+    auto at = [&](int i) { return points.template get<channel::Position>(first + i); };
+    T distance = norm(x - at(0));
+    group.each(n - 1,
+               [&](int i) { distance = min(distance, distance_to_segment(at(i), at(i + 1), x)); });
+    return group.min(distance);
+  }
   MPMPBD_HD T distance_to_track(std::int64_t c, Vec3<T> const& x) const {
-    auto at = [this, c](std::int64_t i) { return track(c, i); };
-    return nearest_on_polyline(at, track_points(c), x).distance;
+    return distance_to_track(Solo{}, c, x);
+  }
+  template <class Group_>
+  MPMPBD_HD bool near_track(Group_ const& group, std::int64_t needle, Vec3<T> const& x,
+                            T reach) const {
+    for (std::int64_t c = 0; c < capacity(); ++c)
+      if (belongs_to(c, needle) && distance_to_track(group, c, x) <= reach) return true;
+    return false;
   }
   MPMPBD_HD bool near_track(std::int64_t needle, Vec3<T> const& x, T reach) const {
-    for (std::int64_t c = 0; c < capacity(); ++c)
-      if (belongs_to(c, needle) && distance_to_track(c, x) <= reach) return true;
-    return false;
+    return near_track(Solo{}, needle, x, reach);
   }
   template <class S>
   MPMPBD_HD bool near_mouth(std::int64_t needle, S const& sheet, Vec3<T> const& x, T reach) const {
@@ -212,18 +228,20 @@ MPMPBD_HD bool is_member(Set const& set, std::int64_t needle, S const& sheet, Ve
 
 // What a point that is not a member does: nothing, or it lies on the surface. Sets `contact` and,
 // on the surface, `axis` (the inward normal). Returns Fault::penetration when it is too deep.
-template <class Set, class S, class C, class T>
-MPMPBD_HD std::uint32_t meet_surface(ContactPoint<T>& point, Set const& set, std::int64_t needle,
-                                     S const& sheet, C const& columns, T dx) {
-  point.contact = Contact::off;
-  if (!(point.coverage > T(0)) || !is_inside(sheet, columns, point.position)) return 0u;
-  auto const surface = nearest_on_sheet(sheet, columns, point.position, dx);
+template <class Group_, class Set, class S, class C, class T>
+MPMPBD_HD std::uint32_t meet_surface(Group_ const& group, ContactPoint<T>& point, Set const& set,
+                                     std::int64_t needle, S const& sheet, C const& columns, T dx) {
+  Vec3<T> const x = point.position;
   // In the cut there is no surface to lie on.
-  if (set.near_track(needle, point.position, T(ChannelLimits::track) * dx)) return 0u;
-  if (surface.found) {
-    point.contact = Contact::surface;
-    point.axis = -surface.normal;
-  }
+  bool const meets = point.coverage > T(0) && is_inside(group, sheet, columns, x) &&
+                     !set.near_track(group, needle, x, T(ChannelLimits::track) * dx);
+  SurfacePoint<T> surface{};
+  if (meets) surface = nearest_on_sheet(group, sheet, columns, x, dx, true);
+  group.sync();  // all have read the point
+  group.one([&] {
+    point.contact = surface.found ? Contact::surface : Contact::off;
+    if (surface.found) point.axis = -surface.normal;
+  });
   bool const deep = surface.distance < -T(ChannelLimits::penetration) * dx;
   return deep ? static_cast<std::uint32_t>(Fault::penetration) : 0u;
 }
@@ -284,12 +302,13 @@ MPMPBD_HD void update_members(ContactPoint<T>* points, int beads, int needle_poi
 }
 // ... then every other point by itself (any order, in parallel). The tip's points belong to its
 // state.
-template <class Set, class S, class C, class T>
-MPMPBD_HD std::uint32_t settle_point(ContactPoint<T>* points, int q, int beads, Set const& set,
-                                     std::int64_t needle, S const& sheet, C const& columns, T dx) {
+template <class Group_, class Set, class S, class C, class T>
+MPMPBD_HD std::uint32_t settle_point(Group_ const& group, ContactPoint<T>* points, int q, int beads,
+                                     Set const& set, std::int64_t needle, S const& sheet,
+                                     C const& columns, T dx) {
   bool const of_tip = q == beads || q == beads + 1;
   if (of_tip || points[q].contact == Contact::member) return 0u;
-  return meet_surface(points[q], set, needle, sheet, columns, dx);
+  return meet_surface(group, points[q], set, needle, sheet, columns, dx);
 }
 
 }  // namespace mpmpbd
