@@ -120,7 +120,7 @@ MPMPBD_HD TipChange<T> advance_tip(Tip<T>& tip, Vec3<T> const& to, T impulse, T 
       tip.touch_point = position(sheet, tip.mark);
       tip.touch_normal = direction(sheet.triangle(tip.mark.triangle).area_normal());
       tip.cap = forces.puncture;
-    } else {
+    } else if (norm(to - from) > limit) {
       // In and out again within the substep: a corner may be grazed, a body may not be passed
       // through.
       auto const path = crossings(sheet, columns, from, to);
