@@ -111,7 +111,7 @@ TEMPLATE_TEST_CASE(
     // The tissue is rigid here: it resists with whatever the tip can bear.
     T const impulse = s.points[0].contact == Contact::tip ? s.points[0].force_cap * T(dt) : T(0);
     s.faults |=
-        update_needle_surface(view, std::int64_t{1}, std::int64_t{0}, tip_now, impulse,
+        update_needle_surface(Solo{}, view, std::int64_t{1}, std::int64_t{0}, tip_now, impulse,
                               Tick<T>{T(dt), T(dt), i}, T(i * dt), s.held.sheet(), s.held.columns(),
                               cell<T>, forces, cast<T>(entry), cast<T>(exit), s.set(), s.log());
   }

@@ -103,8 +103,8 @@ template <class In> struct MoveWithTissue {
                                                  Ctx const& context, Grid const& grid) {
     using T = typename Ctx::Scalar;
     std::uint32_t faults = 0;
-    team.one([&] {
-      if (env.template live<Needles>() == 0) return;
+    if (env.template live<Needles>() == 0) return faults;
+    team.groups(1, [&](auto const& group, int) {
       auto const n = Exchange::counts(env, context);
       EmbeddedArrays<T, typename Exchange::Form> a;
       a.cut(grid.scratch, n);
@@ -121,7 +121,7 @@ template <class In> struct MoveWithTissue {
       auto const& events = env.template domain<Events>();
       auto const& e = env.template domain<Environments>();
       faults |= update_needle_surface(
-          d.view, d.first, 0, to_world(pose, arc.point(T(0))), impulse, context.tick,
+          group, d.view, d.first, 0, to_world(pose, arc.point(T(0))), impulse, context.tick,
           context.tick.time, sheet, columns, context.lattice.dx,
           TipForces<T>{k.puncture_force, k.cutting_force}, marker_at(env, sheet, 0),
           marker_at(env, sheet, 1), detail::channels_of_environment(env),

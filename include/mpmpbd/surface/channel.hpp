@@ -133,11 +133,18 @@ template <class View, class PointView> struct ChannelSet {
   }
   // The tip is in tissue at x: the track goes on when the tip is in new tissue, not when it draws
   // back.
-  MPMPBD_HD std::uint32_t extend(std::int64_t needle, Vec3<T> const& x, T dx) const {
+  template <class Group_>
+  MPMPBD_HD std::uint32_t extend(Group_ const& group, std::int64_t needle, Vec3<T> const& x,
+                                 T dx) const {
     std::int64_t const c = latest(needle);
-    if (c < 0 || mouths(c) > 1 || distance_to_track(c, x) < T(ChannelLimits::spacing) * dx)
+    if (c < 0 || mouths(c) > 1 || distance_to_track(group, c, x) < T(ChannelLimits::spacing) * dx)
       return 0u;
-    return append(c, x);
+    std::uint32_t faults = 0;
+    group.one([&] { faults = append(c, x); });
+    return faults;
+  }
+  MPMPBD_HD std::uint32_t extend(std::int64_t needle, Vec3<T> const& x, T dx) const {
+    return extend(Solo{}, needle, x, dx);
   }
   // The tip has left the tissue at `mark`. Through the mouth by which it came in, it only drew
   // back.
@@ -199,19 +206,23 @@ MPMPBD_HD ChannelSet<View, PointView> channel_set(View const& view, PointView co
 
 // What an event of the tip does to the channels; call it after advance_tip with the sheet as it is
 // then.
-template <class Set, class S, class T>
-MPMPBD_HD std::uint32_t advance_channel(Set const& set, std::int64_t needle, Tip<T> const& tip,
-                                        TipChange<T> const& change, S const& sheet, T dx) {
-  if (change.kind == EventKind::entry) return set.open(needle, change.mark, change.position);
-  if (change.kind == EventKind::exit) {
-    std::int64_t const c = set.latest(needle);
-    return c < 0 ? 0u
-                 : set.close(needle, change.mark, change.position, position(sheet, set.mouth(c, 0)),
-                             dx);
-  }
+template <class Group_, class Set, class S, class T>
+MPMPBD_HD std::uint32_t advance_channel(Group_ const& group, Set const& set, std::int64_t needle,
+                                        Tip<T> const& tip, TipChange<T> const& change,
+                                        S const& sheet, T dx) {
   // While it looks out of the tissue (its mark is set) there is no track to lay.
   bool const in_tissue = tip.state == TipState::inside && tip.mark.triangle < 0;
-  return in_tissue ? set.extend(needle, tip.position, dx) : 0u;
+  if (change.kind == EventKind::none)
+    return in_tissue ? set.extend(group, needle, tip.position, dx) : 0u;
+  std::uint32_t faults = 0;
+  group.one([&] {
+    if (change.kind == EventKind::entry)
+      faults = set.open(needle, change.mark, change.position);
+    else if (std::int64_t const c = set.latest(needle); c >= 0)
+      faults =
+          set.close(needle, change.mark, change.position, position(sheet, set.mouth(c, 0)), dx);
+  });
+  return faults;
 }
 
 // Whether a point is a member now. `follows`: its neighbour towards the needle's tip is one.

@@ -79,10 +79,12 @@ template <class T> struct TipChange {
 };
 
 // One substep: the tip has moved to `to` and the sheet with the tissue, and `impulse` >= 0 is what
-// the tip gave to the tissue along its axis under the cap of the substep before [N s].
-template <class S, class C, class T>
-MPMPBD_HD TipChange<T> advance_tip(Tip<T>& tip, Vec3<T> const& to, T impulse, T dt, S const& sheet,
-                                   C const& columns, T dx, TipForces<T> const& forces) {
+// the tip gave to the tissue along its axis under the cap of the substep before [N s]. Every lane
+// of a group has a `tip` of its own; what becomes of them is the same.
+template <class Group_, class S, class C, class T>
+MPMPBD_HD TipChange<T> advance_tip(Group_ const& group, Tip<T>& tip, Vec3<T> const& to, T impulse,
+                                   T dt, S const& sheet, C const& columns, T dx,
+                                   TipForces<T> const& forces) {
   TipChange<T> change{EventKind::none, {-1, {}}, {}, T(0), 0u};
   if (!is_finite(to) || !is_finite(impulse)) {
     change.faults = static_cast<std::uint32_t>(Fault::not_finite);
@@ -93,7 +95,7 @@ MPMPBD_HD TipChange<T> advance_tip(Tip<T>& tip, Vec3<T> const& to, T impulse, T 
   change.force = impulse / dt;
   if (norm(to - from) > dx) change.faults |= static_cast<std::uint32_t>(Fault::speed);
 
-  auto const surface = nearest_on_sheet(sheet, columns, to, T(TipLimits::reach) * dx);
+  auto const surface = nearest_on_sheet(group, sheet, columns, to, T(TipLimits::reach) * dx);
   T const limit = T(TipLimits::penetration) * dx;
   bool const clear = surface.distance > T(TipLimits::clearance) * dx;
   auto nearest = [&] { return surface.found ? surface.mark : mark_at(sheet, to); };
@@ -158,6 +160,11 @@ MPMPBD_HD TipChange<T> advance_tip(Tip<T>& tip, Vec3<T> const& to, T impulse, T 
   if (tip.state == TipState::touch && surface.distance < -limit)
     change.faults |= static_cast<std::uint32_t>(Fault::penetration);
   return change;
+}
+template <class S, class C, class T>
+MPMPBD_HD TipChange<T> advance_tip(Tip<T>& tip, Vec3<T> const& to, T impulse, T dt, S const& sheet,
+                                   C const& columns, T dx, TipForces<T> const& forces) {
+  return advance_tip(Solo{}, tip, to, impulse, dt, sheet, columns, dx, forces);
 }
 
 }  // namespace mpmpbd
