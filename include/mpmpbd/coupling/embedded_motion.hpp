@@ -93,8 +93,7 @@ template <class In> struct MoveWithTissue {
     auto const vertex = detail::row<sheet::Position>(env);
     team.each(static_cast<int>(env.template live<SheetVertices>()),
               [&](int i) { advect(vertex, i, velocity, context.tick.dt); });
-    team.one(
-        [&] { detail::channels_of_environment(env).advect_tracks(velocity, context.tick.dt); });
+    detail::channels_of_environment(env).advect_tracks(team, velocity, context.tick.dt);
     team.sync();
   }
 

@@ -190,12 +190,16 @@ template <class View, class PointView> struct ChannelSet {
   }
 
   // Track points are tracers: `velocity(x)` interpolates the grid.
-  template <class Velocity> MPMPBD_HD void advect_tracks(Velocity const& velocity, T dt) const {
-    for (std::int64_t c = 0; c < capacity(); ++c)
-      for (std::int64_t i = 0; in_use(c) && i < track_points(c); ++i) {
-        Vec3<T> const x = track(c, i);
-        points.template set<channel::Position>(point_item(c, i), x + dt * velocity(x));
-      }
+  template <class Team_, class Velocity>
+  MPMPBD_HD void advect_tracks(Team_ const& team, Velocity const& velocity, T dt) const {
+    auto const length = static_cast<int>(per_channel()), n = static_cast<int>(capacity()) * length;
+    std::int64_t const first = point_item(0, 0);
+    team.each(n, [&](int i) {
+      int const c = i / length;
+      if (!in_use(c) || i - c * length >= track_points(c)) return;
+      auto const x = points.template get<channel::Position>(first + i);
+      points.template set<channel::Position>(first + i, x + dt * velocity(x));
+    });
   }
 };
 template <class View, class PointView>
