@@ -397,7 +397,10 @@ template <class In> struct ExchangeImpulses {
       auto const channels = detail::channels_of_environment(env);
       if (context.tick.substep == 0) faults |= columns.build(team, sheet);
       auto const member = detail::row<channel::Member<ContactPoints>>(env);
-      team.each(x.thread_points(), [&](int k) { detail::look_aside(x, grid, a.aside, k); });
+      team.each(2 * x.thread_points(), [&](int i) {
+        int const k = i / 2, side = i % 2 == 0 ? side_before : side_after;
+        detail::thread_place(a.aside, k, side) = detail::look_aside(x, grid, k, side);
+      });
       team.sync();
       team.one([&] {
         auto const& d = env.template domain<Needles>();
@@ -408,9 +411,9 @@ template <class In> struct ExchangeImpulses {
       });
       team.sync();
       team.each(x.thread_points(), [&](int k) {
-        if (!detail::hold_at_mouth(x, a.aside, member, k, 1))
-          detail::hold_at_mouth(x, a.aside, member, k, -1);
-        embed_point(x, grid, k);
+        if (detail::hold_at_mouth(x, a.aside, member, k, 1) ||
+            detail::hold_at_mouth(x, a.aside, member, k, -1))
+          embed_point(x, grid, k);
       });
       team.sync();
       team.groups(x.first_attached(), [&](auto const& group, int q) {

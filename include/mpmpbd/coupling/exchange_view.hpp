@@ -110,15 +110,18 @@ MPMPBD_HD void place_thread_points(Team_ const& team, View_ const& x) {
   team.sync();
 }
 
+// Mass around a point that has tissue on all sides [kg].
+template <class Form, class T> MPMPBD_HD T full_mass(ExchangeView<T, Form> const& x) {
+  return x.rest_density * x.lattice.dx * x.lattice.dx * x.lattice.dx;
+}
 // Weights and coverage of one point.
 template <class Form, class T, class Nodes>
 MPMPBD_HD void embed_point(ExchangeView<T, Form> const& x, Nodes const& nodes, int q) {
-  T const full = x.rest_density * x.lattice.dx * x.lattice.dx * x.lattice.dx;
   int const first = q * x.incidence.per_point;
   x.points[q].coverage = embedding_weights<typename Form::Shape>(x.lattice, x.points[q].position,
                                                                  nodes, x.incidence.weight + first,
                                                                  x.incidence.node + first) /
-                         full;
+                         full_mass(x);
 }
 // Weights and coverage of all points. Between this and `exchange` the caller decides what each point is
 // (Contact), for which it may read the coverage.

@@ -12,28 +12,26 @@ namespace mpmpbd::detail {
 // How far the places are from their bead [segments]: where a Gauss point would be.
 inline constexpr double place_aside = 0.21132486540518712;
 
-// Moves the point of bead k by so many segments along its thread, at most one.
-template <class X, class T> MPMPBD_HD void move_along_thread(X const& x, int k, T segments) {
+// Puts a point so many segments along its thread from bead k, at most one.
+template <class X, class T>
+MPMPBD_HD void place_beside_bead(X const& x, ContactPoint<T>& p, int k, T segments) {
   bool const back = segments < T(0);
-  place_on_thread(x, x.points[k], back ? k - 1 : k, back ? 1 + segments : segments);
+  place_on_thread(x, p, back ? k - 1 : k, back ? 1 + segments : segments);
 }
 
 // The places on either side of bead k.
 template <class T> MPMPBD_HD ThreadPlace<T>& thread_place(ThreadPlace<T>* places, int k, int side) {
   return places[2 * k + (side == side_after ? 1 : 0)];
 }
-// Measures the coverage there; leaves the point at the bead.
-template <class X, class Grid, class T>
-MPMPBD_HD void look_aside(X const& x, Grid const& grid, ThreadPlace<T>* places, int k) {
-  auto const at_bead = x.points[k];
-  for (int side = side_before; side <= side_after; ++side) {
-    thread_place(places, k, side) = {Vec3<T>{}, T(-1)};
-    if (!is_segment(x.thread, side == side_after ? k : k - 1)) continue;
-    move_along_thread(x, k, side == side_after ? T(place_aside) : T(-place_aside));
-    embed_point(x, grid, k);
-    thread_place(places, k, side) = {x.points[k].position, x.points[k].coverage};
-  }
-  x.points[k] = at_bead;
+// Where one of them is, and the coverage there.
+template <class T, class Form, class Grid>
+MPMPBD_HD ThreadPlace<T> look_aside(ExchangeView<T, Form> const& x, Grid const& grid, int k,
+                                    int side) {
+  if (!is_segment(x.thread, side == side_after ? k : k - 1)) return {Vec3<T>{}, T(-1)};
+  ContactPoint<T> p;
+  place_beside_bead(x, p, k, side == side_after ? T(place_aside) : T(-place_aside));
+  T const mass = mass_around<typename Form::Shape>(x.lattice, p.position, grid);
+  return {p.position, mass / full_mass(x)};
 }
 
 // Where the thread comes out of the tissue at a mouth it is held, wherever its beads are: the point of the first
@@ -58,8 +56,8 @@ MPMPBD_HD bool hold_at_mouth(X const& x, ThreadPlace<T>* places, Members const& 
   T at = last;
   if (!ends && beyond < T(ChannelLimits::coverage))
     at = clamp(last + (in - T(ChannelLimits::lip)) / (in - beyond) * (first - last), T(-1), first);
-  move_along_thread(x, k, T(out) * at);
   ContactPoint<T>& p = x.points[k];
+  place_beside_bead(x, p, k, T(out) * at);
   p.length = clamp(T(0.5) + at, T(0), T(1)) * x.thread.rest_length[p.segment];
   p.contact = Contact::member;
   return true;

@@ -46,6 +46,42 @@ MPMPBD_INLINE void for_each_node(Lattice<T> const& lattice, Neighbourhood<T> con
     }
 }
 
+// What the nodes with mass around a point amount to. The corrected weight of a node at a distance d [cells] is
+// w m (1 - slope . d) / (rest mass).
+template <class T> struct Surroundings {
+  T mass;  // sum w m; 0 where such a correction does not exist
+  Vec3<T> slope;
+  T rest;
+};
+// Calls note(a, node, w m) for every node.
+template <class Shape, class T, class Nodes, class Note>
+MPMPBD_HD Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourhood<T> const& near,
+                                       Nodes const& nodes, Note const& note) {
+  Surroundings<T> const none{};
+  if (!near.inside) return none;
+  T total = T(0);
+  Vec3<T> first{};     // M1 = sum w d
+  T xx{}, xy{}, xz{};  // M2 = sum w d d^T
+  T yy{}, yz{}, zz{};
+  for_each_node<Shape>(lattice, near, [&](int a, int i, T w, Vec3<T> const& d) {
+    T const wm = w * nodes.mass(i);
+    total += wm;
+    note(a, i, wm);
+    first += wm * d;
+    xx += wm * (d[0] * d[0]), xy += wm * (d[0] * d[1]), xz += wm * (d[0] * d[2]);
+    yy += wm * (d[1] * d[1]), yz += wm * (d[1] * d[2]), zz += wm * (d[2] * d[2]);
+  });
+  if (!(total > T(0))) return none;
+  first *= T(1) / total;
+  Mat3<T> const second = T(1) / total * Mat3<T>{{xx, xy, xz, xy, yy, yz, xz, yz, zz}};
+  T const third = trace(second) / 3;
+  if (!(determinant(second) > T(1e-6) * third * third * third)) return none;
+  Vec3<T> const z = inverse(second) * first;
+  T const rest = 1 - dot(first, z);
+  if (!(rest >= T(0.125))) return none;
+  return {total, z, rest};
+}
+
 }  // namespace detail
 
 // Weights of a point over the nodes that have mass, corrected so that they sum to one and reproduce
@@ -59,32 +95,21 @@ template <class Shape, class T, class Nodes>
 MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
                               T* weight, int* node) {
   auto const near = detail::neighbourhood<Shape>(lattice, x);
-  if (!near.inside) return T(0);
-  T total = T(0);
-  Vec3<T> first{};     // M1 = sum w d
-  T xx{}, xy{}, xz{};  // M2 = sum w d d^T
-  T yy{}, yz{}, zz{};
-  detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T w, Vec3<T> const& d) {
-    T const wm = w * nodes.mass(i);
-    total += wm;
+  auto const s = detail::surroundings<Shape>(lattice, near, nodes, [&](int a, int i, T wm) {
     weight[a] = wm;
     node[a] = i;
-    first += wm * d;
-    xx += wm * (d[0] * d[0]), xy += wm * (d[0] * d[1]), xz += wm * (d[0] * d[2]);
-    yy += wm * (d[1] * d[1]), yz += wm * (d[1] * d[2]), zz += wm * (d[2] * d[2]);
   });
-  if (!(total > T(0))) return T(0);
-  first *= T(1) / total;
-  Mat3<T> const second = T(1) / total * Mat3<T>{{xx, xy, xz, xy, yy, yz, xz, yz, zz}};
-  T const third = trace(second) / 3;
-  if (!(determinant(second) > T(1e-6) * third * third * third)) return T(0);
-  Vec3<T> const z = inverse(second) * first;
-  T const rest = 1 - dot(first, z);
-  if (!(rest >= T(0.125))) return T(0);
+  if (!(s.mass > T(0))) return T(0);
   detail::for_each_node<Shape>(lattice, near, [&](int a, int, T, Vec3<T> const& d) {
-    weight[a] *= (1 - dot(z, d)) / (rest * total);
+    weight[a] *= (1 - dot(s.slope, d)) / (s.rest * s.mass);
   });
-  return total;
+  return s.mass;
+}
+// The same sum alone.
+template <class Shape, class T, class Nodes>
+MPMPBD_HD T mass_around(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes) {
+  auto const near = detail::neighbourhood<Shape>(lattice, x);
+  return detail::surroundings<Shape>(lattice, near, nodes, [](int, int, T) {}).mass;
 }
 
 }  // namespace mpmpbd
