@@ -54,8 +54,9 @@ template <class T> struct Scene {
     auto const at_bead = [this](int k, int) {
       return ThreadPlace<T>{points[k].position, points[k].coverage};
     };
-    update_members(points, beads, needle_points, swaged, at_bead, members(), tip, set(), 0,
-                   held.sheet(), cell<T>);
+    Following places[128];
+    update_members(Solo{}, points, beads, needle_points, swaged, at_bead, members(), tip, set(), 0,
+                   held.sheet(), cell<T>, places);
     for (int q = 0; q < beads + needle_points; ++q)
       faults |= settle_point(Solo{}, points, q, beads, set(), std::int64_t{0}, held.sheet(),
                              held.columns(), cell<T>);

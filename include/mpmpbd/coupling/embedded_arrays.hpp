@@ -41,6 +41,7 @@ template <class T, class Form> struct EmbeddedArrays {
   T* impulse;
   ContactPoint<T>* points;
   ThreadPlace<T>* aside;  // of every bead: before, after; with a surface
+  Following* following;   // by ChannelOrder; with a surface
   RigidBody<T>* needle;
   void* exchange;
 
@@ -58,6 +59,8 @@ template <class T, class Form> struct EmbeddedArrays {
     impulse = cutter.cut<T>(n.beads);
     points = cutter.cut<ContactPoint<T>>(n.exchange().points());
     aside = cutter.cut<ThreadPlace<T>>(n.triangles > 0 ? 2 * n.beads : 0);
+    following =
+        cutter.cut<Following>(n.triangles > 0 ? ChannelOrder{n.beads, n.needle_points}.count() : 0);
     needle = cutter.cut<RigidBody<T>>(1);
     exchange = cutter.cut<double>(static_cast<int>(
         (exchange_bytes<T, Form>(n.exchange()) + sizeof(double) - 1) / sizeof(double)));

@@ -402,13 +402,11 @@ template <class In> struct ExchangeImpulses {
         detail::thread_place(a.aside, k, side) = detail::look_aside(x, grid, k, side);
       });
       team.sync();
-      team.one([&] {
-        auto const& d = env.template domain<Needles>();
-        update_members(
-            x.points, x.thread_points(), x.needle_points, swaged,
-            [&](int k, int side) { return detail::thread_place(a.aside, k, side); }, member,
-            Tip<T>::load(d.view, d.first), channels, 0, sheet, context.lattice.dx);
-      });
+      auto const& d = env.template domain<Needles>();
+      update_members(
+          team, x.points, x.thread_points(), x.needle_points, swaged,
+          [&](int k, int side) { return detail::thread_place(a.aside, k, side); }, member,
+          Tip<T>::load(d.view, d.first), channels, 0, sheet, context.lattice.dx, a.following);
       team.sync();
       team.each(x.thread_points(), [&](int k) {
         if (detail::hold_at_mouth(x, a.aside, member, k, 1) ||

@@ -229,16 +229,30 @@ MPMPBD_HD std::uint32_t advance_channel(Group_ const& group, Set const& set, std
   return faults;
 }
 
-// Whether a point is a member now. `follows`: its neighbour towards the needle's tip is one.
+// Whether a place is in a channel, as far as it knows by itself.
 //
 // A neighbour is followed only along the track: otherwise a thread that lies on the surface beside
 // a mouth would become a member point by point.
+enum class Following : int {
+  no,
+  yes,
+  neighbour,  // if its neighbour towards the needle's tip is
+  absent,     // there is no such place; what comes next has the neighbour that it would have had
+};
 template <class Set, class S, class T>
-MPMPBD_HD bool is_member(Set const& set, std::int64_t needle, S const& sheet, Vec3<T> const& x,
-                         T coverage, bool was_member, bool follows, T dx) {
-  if (!(coverage >= T(ChannelLimits::coverage))) return false;
-  return was_member || set.near_mouth(needle, sheet, x, T(ChannelLimits::mouth) * dx) ||
-         (follows && set.near_track(needle, x, T(ChannelLimits::track) * dx));
+MPMPBD_HD Following following(Set const& set, std::int64_t needle, S const& sheet, Vec3<T> const& x,
+                              T coverage, bool was_member, T dx) {
+  if (!(coverage >= T(ChannelLimits::coverage))) return Following::no;
+  if (was_member || set.near_mouth(needle, sheet, x, T(ChannelLimits::mouth) * dx))
+    return Following::yes;
+  return set.near_track(needle, x, T(ChannelLimits::track) * dx) ? Following::neighbour
+                                                                 : Following::no;
+}
+// Whether place i is in a channel: as the next place that knows, towards the tip, down to `first`.
+MPMPBD_HD inline bool is_member(Following const* places, int i, int first) {
+  if (places[i] == Following::absent) return false;
+  while (i >= first && (places[i] == Following::neighbour || places[i] == Following::absent)) --i;
+  return i >= first && places[i] == Following::yes;
 }
 
 // What a point that is not a member does: nothing, or it lies on the surface. Sets `contact` and,
@@ -275,45 +289,65 @@ template <class T> struct ThreadPlace {
 // flag of point q, for a bead the sum of its sides in tissue; place(k, side) is where bead k's side is.
 // `swaged`: the thread follows this needle.
 //
-// First the flags, one after the other from the tip to the thread's far end ...
-template <class Places, class Members, class Set, class S, class T>
-MPMPBD_HD void update_members(ContactPoint<T>* points, int beads, int needle_points, bool swaged,
-                              Places const& place, Members const& member, Tip<T> const& tip,
-                              Set const& set, std::int64_t needle, S const& sheet, T dx) {
-  if (needle_points > 0) {
-    ContactPoint<T>& axial = points[beads];
-    axial.contact = tip.state == TipState::outside ? Contact::off : Contact::tip;
-    axial.force_cap = tip.cap;
-    member.set(beads, 0);
+// As a channel takes them, their places are numbered from the tip to the thread's far end: those along the wire,
+// then of every bead the one after and the one before it.
+struct ChannelOrder {
+  int beads, needle_points;
+
+  MPMPBD_HD int on_wire() const { return max(needle_points - 1, 0); }
+  MPMPBD_HD int count() const { return on_wire() + 2 * beads; }
+  MPMPBD_HD int of_bead(int k, int side) const {
+    return on_wire() + 2 * (beads - 1 - k) + (side == side_after ? 0 : 1);
   }
-  bool follows = false;
-  auto visit = [&](int q, std::int64_t is) {
+  MPMPBD_HD int bead(int place) const { return beads - 1 - (place - on_wire()) / 2; }
+  MPMPBD_HD int side(int place) const {
+    return (place - on_wire()) % 2 == 0 ? side_after : side_before;
+  }
+};
+
+// First the flags: every place by itself, as much as it knows (`places`, scratch for count() of them), then with
+// what the places before it have found. By a team; wait before the points are read.
+template <class Team_, class Places, class Members, class Set, class S, class T>
+MPMPBD_HD void update_members(Team_ const& team, ContactPoint<T>* points, int beads,
+                              int needle_points, bool swaged, Places const& place,
+                              Members const& member, Tip<T> const& tip, Set const& set,
+                              std::int64_t needle, S const& sheet, T dx, Following* places) {
+  ChannelOrder const order{beads, needle_points};
+  team.each(order.count(), [&](int i) {
+    if (i < order.on_wire()) {
+      int const q = beads + 1 + i;
+      ContactPoint<T> const& p = points[q];
+      // The tip is in tissue when its state says so.
+      bool const inside = i == 0 && tip.state == TipState::inside,
+                 touches = i == 0 && tip.state == TipState::touch;
+      places[i] = touches ? Following::no
+                          : following(set, needle, sheet, p.position, p.coverage,
+                                      inside || member(q) != 0, dx);
+    } else {
+      int const k = order.bead(i), side = order.side(i);
+      ThreadPlace<T> const p = place(k, side);
+      places[i] = p.coverage < T(0) ? Following::absent
+                                    : following(set, needle, sheet, p.position, p.coverage,
+                                                (member(k) & side) != 0, dx);
+    }
+  });
+  team.sync();
+  team.each(beads + needle_points, [&](int q) {
+    std::int64_t is = 0;
+    int const first = swaged ? 0 : order.on_wire();
+    if (q > beads) {
+      is = is_member(places, q - beads - 1, 0) ? 1 : 0;
+    } else if (q < beads) {
+      for (int side = side_before; side <= side_after; ++side)
+        if (is_member(places, order.of_bead(q, side), first)) is += side;
+    }
     points[q].contact = is != 0 ? Contact::member : Contact::off;
     member.set(q, is);
-  };
-  for (int q = beads + 1; q < beads + needle_points; ++q) {
-    ContactPoint<T> const& p = points[q];
-    bool const first = q == beads + 1;  // the tip: in tissue when its state says so
-    follows = first && tip.state == TipState::inside
-                  ? p.coverage >= T(ChannelLimits::coverage)
-                  : !(first && tip.state == TipState::touch) &&
-                        is_member(set, needle, sheet, p.position, p.coverage, member(q) != 0,
-                                  follows, dx);
-    visit(q, follows ? 1 : 0);
-  }
-  follows = follows && swaged;
-  for (int k = beads - 1; k >= 0; --k) {
-    std::int64_t const was = member(k);
-    std::int64_t is = 0;
-    for (int side = side_after; side >= side_before; --side) {
-      ThreadPlace<T> const p = place(k, side);
-      if (p.coverage < T(0)) continue;  // and what comes next still follows
-      follows =
-          is_member(set, needle, sheet, p.position, p.coverage, (was & side) != 0, follows, dx);
-      if (follows) is += side;
+    if (q == beads) {
+      points[q].contact = tip.state == TipState::outside ? Contact::off : Contact::tip;
+      points[q].force_cap = tip.cap;
     }
-    visit(k, is);
-  }
+  });
 }
 // ... then every other point by itself (any order, in parallel). The tip's points belong to its
 // state.
