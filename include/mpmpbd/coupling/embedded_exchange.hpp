@@ -419,7 +419,7 @@ template <class In> struct ExchangeImpulses {
                                context.lattice.dx);
       });
       team.sync();
-      team.one([&] { detail::hand_over_impulses(x, member); });
+      detail::hand_over_impulses(team, x, member);
     } else {
       team.each(x.first_attached(), [&](int q) {
         auto& p = x.points[q];

@@ -63,18 +63,24 @@ MPMPBD_HD bool hold_at_mouth(X const& x, ThreadPlace<T>* places, Members const& 
   return true;
 }
 
-// A point that has left the tissue leaves its impulse to the next inside: at a mouth it was often the most loaded
-// of its thread, and they stand at one place by then.
-template <class X, class Members>
-MPMPBD_HD void hand_over_impulses(X const& x, Members const& member) {
-  for (int k = 0; k < x.thread_points(); ++k) {
-    if (x.points[k].contact != Contact::off) continue;
-    for (int next = k - 1; next <= k + 1; next += 2) {
-      if (next < 0 || next >= x.thread_points() || member(next) == 0) continue;
-      x.points[next].impulse += x.points[k].impulse;
-      x.points[k].impulse = {};
-    }
-  }
+// A point that has left the tissue leaves its impulse to the next inside, the earlier one where both are: at a
+// mouth it was often the most loaded of its thread, and they stand at one place by then. Every point inside
+// takes what is left to it, then those outside let go.
+template <class Team_, class X, class Members>
+MPMPBD_HD void hand_over_impulses(Team_ const& team, X const& x, Members const& member) {
+  int const n = x.thread_points();
+  auto leaves = [&](int k) { return k >= 0 && k < n && x.points[k].contact == Contact::off; };
+  auto is_inside = [&](int k) { return k >= 0 && k < n && member(k) != 0; };
+  team.each(n, [&](int k) {
+    if (!is_inside(k)) return;
+    auto& impulse = x.points[k].impulse;
+    if (leaves(k - 1) && !is_inside(k - 2)) impulse += x.points[k - 1].impulse;
+    if (leaves(k + 1)) impulse += x.points[k + 1].impulse;
+  });
+  team.sync();
+  team.each(n, [&](int k) {
+    if (leaves(k) && (is_inside(k - 1) || is_inside(k + 1))) x.points[k].impulse = {};
+  });
 }
 
 }  // namespace mpmpbd::detail
