@@ -216,10 +216,8 @@ template <class In> struct ExchangeImpulses {
         a.rest_angle[k] = T(0);
       });
       team.sync();
-      team.one([&] {
-        load_segments(env, a);
-        load_pins(env, a);
-      });
+      load_segments(team, env, a);
+      load_pins(team, env, a);
       team.sync();
       x.thread.stretch_compliance = stretch_compliance<T>(env);
       x.thread.bending_stiffness = bending_stiffness<T>(env, a);
@@ -229,28 +227,31 @@ template <class In> struct ExchangeImpulses {
   }
 
   // Rest lengths and angles stand with the constraints, which are ordered by colour.
-  template <class Env, class Arrays>
-  MPMPBD_HD static void load_segments(Env const& env, Arrays const& a) {
+  template <class Team_, class Env, class Arrays>
+  MPMPBD_HD static void load_segments(Team_ const& team, Env const& env, Arrays const& a) {
     if constexpr (stretches)
-      for (std::int64_t i = 0; i < env.template live<Instances<Distance>>(); ++i)
+      team.each(static_cast<int>(env.template live<Instances<Distance>>()), [&](int i) {
         a.rest_length[env.template get<typename instance<Distance>::Index>(i)[0]] =
             load_parameters<Distance>(env, i).rest_length;
+      });
     if constexpr (bends)
-      for (std::int64_t i = 0; i < env.template live<Instances<Bend>>(); ++i)
+      team.each(static_cast<int>(env.template live<Instances<Bend>>()), [&](int i) {
         a.rest_angle[env.template get<typename instance<Bend>::Index>(i)[1]] =
             load_parameters<Bend>(env, i).rest_turn;
+      });
   }
   // A pinned bead is one of known velocity.
-  template <class Env, class Arrays>
-  MPMPBD_HD static void load_pins([[maybe_unused]] Env const& env,
+  template <class Team_, class Env, class Arrays>
+  MPMPBD_HD static void load_pins([[maybe_unused]] Team_ const& team,
+                                  [[maybe_unused]] Env const& env,
                                   [[maybe_unused]] Arrays const& a) {
     using T = typename Env::Scalar;
     if constexpr (pins)
-      for (std::int64_t i = 0; i < env.template live<Instances<Pin>>(); ++i) {
+      team.each(static_cast<int>(env.template live<Instances<Pin>>()), [&](int i) {
         auto const b = env.template get<typename instance<Pin>::Index>(i);
         a.known[b] = true;
         a.velocity[b] = Vec3<T>{};
-      }
+      });
   }
   // 1/EA [1/N] and EI [N m^2] of the threads, from their first segment and joint.
   template <class T, class Env> MPMPBD_HD static T stretch_compliance(Env const& env) {
