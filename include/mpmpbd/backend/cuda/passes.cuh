@@ -7,8 +7,8 @@
 
 namespace mpmpbd::cuda {
 
-// What a fused pass has to load and keep: a field that the next gather overwrites unread stays in
-// registers and never goes through memory.
+// What a fused pass has to load and keep: a field that gather overwrites unread is not loaded. All that changes is kept, so
+// that an environment which is stopped in mid-step holds one moment.
 template <class GatherStage, class ScatterStage> struct Fused {
   using Used = on_t<union_t<typename GatherStage::Reads, typename GatherStage::Writes,
                             typename ScatterStage::Reads, typename ScatterStage::Writes>,
@@ -18,8 +18,7 @@ template <class GatherStage, class ScatterStage> struct Fused {
                             minus_t<typename ScatterStage::Reads, typename GatherStage::Writes>>,
                     Particles>>;
   using Changed = union_t<typename GatherStage::Writes, typename ScatterStage::Writes>;
-  using Overwritten = minus_t<typename GatherStage::Writes, typename GatherStage::Reads>;
-  using Keeps = stored_t<on_t<minus_t<Changed, Overwritten>, Particles>>;
+  using Keeps = stored_t<on_t<Changed, Particles>>;
 };
 // The same of one stage alone.
 template <class Stage> struct Single {

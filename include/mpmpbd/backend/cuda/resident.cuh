@@ -66,14 +66,13 @@ template <class Scene> class ResidentBlock {
       __syncthreads();
       if (done > 0) close(control, done - 1);
       near_.clear();
-      if (__syncthreads_or(threadIdx.x == 0 && shared_.frozen)) break;
       Ctx const now = at(done);
       if constexpr (Grid::in_place) {
         scatter(passes, now, done);
         __syncthreads();
       }
       shared_.note(move_nodes<Move>(arena_, Run{0, arena_.count}, now, passes.unit), done);
-      __syncthreads();
+      if (__syncthreads_or(threadIdx.x == 0 && shared_.frozen)) break;
       if constexpr (!Grid::in_place) {
         if (done + 1 < clock.substeps) {
           advance(done, [&](std::int64_t index, Met& met) {
