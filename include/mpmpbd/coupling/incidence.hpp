@@ -139,7 +139,7 @@ MPMPBD_HD Vec3<T> sum_over_points(Incidence<T> const& c, int i, F const& f) {
   TouchedNode<T> const& n = c.nodes[i];
   Vec3<T> sum{};
   int const first = n.first, end = first + n.count;
-#if defined(__CUDACC__)
+#if defined(__CUDA_ARCH__)
 #pragma unroll 4
 #endif
   for (int e = first; e < end; ++e) {
@@ -155,7 +155,7 @@ template <class Value, class T, class F>
 MPMPBD_HD Value sum_over_nodes(Incidence<T> const& c, int q, F const& f) {
   Value sum{};
   int const first = q * c.per_point, end = first + c.per_point;
-#if defined(__CUDACC__)
+#if defined(__CUDA_ARCH__)
 #pragma unroll 9
 #endif
   for (int p = first; p < end; ++p) {
