@@ -8,6 +8,7 @@
 #include <mpmpbd/core/quad.hpp>
 #include <mpmpbd/core/status.hpp>
 #include <mpmpbd/mpm/lattice.hpp>
+#include <mpmpbd/scene/stage.hpp>
 
 namespace mpmpbd::cuda {
 

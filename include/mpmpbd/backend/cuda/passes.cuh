@@ -4,6 +4,7 @@
 #include <mpmpbd/backend/cuda/arena.cuh>
 #include <mpmpbd/backend/cuda/launch.cuh>
 #include <mpmpbd/backend/cuda/previous_grid.cuh>
+#include <mpmpbd/backend/cuda/together.cuh>
 
 namespace mpmpbd::cuda {
 
