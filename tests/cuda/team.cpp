@@ -8,7 +8,7 @@
 
 using namespace mpmpbd;
 
-static_assert(Team<BlockTeam> && Team<FirstThreads<64>> && Group<Warp>);
+static_assert(Team<BlockTeam> && Team<PartOfBlock> && Group<Warp>);
 
 namespace {
 
@@ -18,10 +18,10 @@ template <class F> void run_block(int threads, F const& f) {
 }
 
 // How often each of n numbers was taken up by a lane.
-template <class Team_> std::vector<int> visits(Team_ const& team, int members, int threads, int n) {
+std::vector<int> visits(int threads, int n) {
   std::vector<int> count(static_cast<std::size_t>(n));
   run_block(threads, [&] {
-    if (static_cast<int>(threadIdx.x) >= members) return;
+    BlockTeam const team;
     team.groups(n, [&](auto const& group, int i) {
       int sum = 0;
       group.each(100, [&](int k) { sum += k; });
@@ -40,10 +40,40 @@ TEST_CASE("every number goes to one group of a team", "[cuda][team]") {
     emulated::seed = seed;
     for (int n : {1, 2, 7}) {
       auto const all = std::vector<int>(static_cast<std::size_t>(n), 32);
-      CHECK(visits(BlockTeam{}, 128, 128, n) == all);
-      CHECK(visits(BlockTeam{}, 33, 33, n) == all);  // one whole warp
-      CHECK(visits(FirstThreads<64>{}, 64, 128, n) == all);
+      CHECK(visits(128, n) == all);
+      CHECK(visits(33, n) == all);  // one whole warp
     }
+  }
+}
+
+// Teams of 64 threads of a block of 160, of which the last 32 belong to none.
+TEST_CASE("teams of a block work side by side and meet at barriers of their own", "[cuda][team]") {
+  for (unsigned seed : {1u, 2u, 3u}) {
+    emulated::seed = seed;
+    std::vector<int> visits(2 * 100), sums(2), seen(2);
+    run_block(160, [&] {
+      auto const number = static_cast<int>(threadIdx.x) / 64;
+      if (number == 2) return;
+      PartOfBlock const team(number, 64);
+      auto const at = static_cast<std::size_t>(number);
+      for (int turn = 0; turn < number + 2; ++turn) {  // one meets more often than the other
+        team.each(100, [&](int i) { ++visits[100 * at + static_cast<std::size_t>(i)]; });
+        team.sync();
+        team.one([&] {
+          sums[at] = 0;
+          for (int i = 0; i < 100; ++i) sums[at] += visits[100 * at + static_cast<std::size_t>(i)];
+        });
+        team.sync();
+        seen[at] += sums[at] == 100 * (turn + 1);
+        team.sync();
+      }
+      team.groups(3, [&](auto const& group, int) {
+        int const lanes = group.sum(1);
+        group.one([&] { team.add(sums[at], lanes); });
+      });
+    });
+    CHECK(seen == std::vector<int>{2 * 64, 3 * 64});
+    CHECK(sums == std::vector<int>{200 + 3 * 32, 300 + 3 * 32});
   }
 }
 
@@ -69,7 +99,7 @@ TEST_CASE("what one lane of a warp writes, the others read after it", "[cuda][te
     emulated::seed = seed;
     int told[2] = {0, 0}, heard = 0;
     run_block(64, [&] {
-      FirstThreads<64>{}.groups(2, [&](auto const& group, int i) {
+      BlockTeam{}.groups(2, [&](auto const& group, int i) {
         group.one([&] { told[i] = 40 + i; });
         group.sync();
         heard += told[i] == 40 + i;

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Checks the machine code of the loops in which a resident step moves particles, without a GPU.
+"""Checks the machine code of the loop in which a resident step spends its time, without a GPU.
 
 Usage: check_hot_loop.py CUOBJDUMP LIBRARY NODES
 
 LIBRARY: an object or archive with one `step` kernel per architecture; NODES: those of a stencil, 27 for quadratic
-splines. A loop that gathers loads a node's velocity from shared memory, one that scatters adds four integers to it.
-The loops are the smallest that do so; it is one loop where the grid holds velocities beside the sums. Fails when
+splines. The loop is the smallest that gathers from a stencil and scatters to one: a load of four numbers and four
+additions of integers per node, in shared memory. Fails when
   - a kernel has no such loop
-  - a loop spills: it stores to local memory, or loads more than a few words that were stored there before it
-  - they take more instructions together than they should, which is how most mistakes show first
+  - the loop spills: it stores to local memory, or loads more than a few words that were stored there before it
+  - it takes more instructions than it should, which is how most mistakes show first
 """
 import re
 import subprocess
@@ -16,16 +16,15 @@ import sys
 from collections import Counter
 
 INSTRUCTION = re.compile(r"/\*([0-9a-f]{4,6})\*/\s+(?:@!?U?P\w+\s+)?([A-Z][A-Z0-9_.]*)([^;]*);")
-STEP = "4cuda4stepI"  # cuda::step<...>, mangled
 MOST_KEPT_WORDS = 8
-INSTRUCTIONS_PER_NODE = 60
+INSTRUCTIONS_PER_NODE = 56
 
 
 def kernels(listing):
-    """The instructions (address, name, operands) of every resident step."""
+    """The instructions (address, name, operands) of every function called step."""
     for part in listing.split("Function : ")[1:]:
         name, _, body = part.partition("\n")
-        if STEP in name:
+        if "step" in name:
             yield name, [(int(at, 16), what, of) for at, what, of in INSTRUCTION.findall(body)]
 
 
@@ -44,29 +43,27 @@ def names(code):
     return Counter(what.split(".")[0] for _, what, _ in code)
 
 
-def particle_loops(code, nodes):
-    """Where the loops that gather and that scatter begin and end, once each; fewer if there is none."""
-    def smallest(does):
-        return next(([loop] for loop in loops(code) if does(names(code[loop[0]:loop[1]]))), [])
-
-    scatters = smallest(lambda count: count["ATOMS"] >= 4 * nodes)
-    gathers = smallest(lambda count: count["LDS"] >= nodes and count["STG"] >= 12)
-    return sorted({*gathers, *scatters}) if gathers and scatters else []
+def particle_loop(code, nodes):
+    """Where the loop over particles begins and ends; None if there is none."""
+    for first, end in loops(code):
+        count = names(code[first:end])
+        if count["ATOMS"] >= 4 * nodes and count["LDS"] >= nodes:
+            return first, end
+    return None
 
 
 def complaints(name, code, nodes):
-    found = particle_loops(code, nodes)
-    if not found:
-        yield f"{name} has no loops that gather from {nodes} nodes and scatter to as many"
+    loop = particle_loop(code, nodes)
+    if loop is None:
+        yield f"{name} has no loop that gathers from {nodes} nodes and scatters to as many"
         return
-    for first, end in found:
-        count = names(code[first:end])
-        print(f"{end - first} instructions, {count['STL']} stores to and {count['LDL']} loads from local memory: {name}")
-        if count["STL"] > 0 or count["LDL"] > MOST_KEPT_WORDS:
-            yield f"{name} spills in a loop over particles"
-    taken = sum(end - first for first, end in found)
-    if taken > INSTRUCTIONS_PER_NODE * nodes:
-        yield f"{name} takes {taken} instructions; {INSTRUCTIONS_PER_NODE * nodes} at most"
+    first, end = loop
+    count = names(code[first:end])
+    print(f"{end - first} instructions, {count['STL']} stores to and {count['LDL']} loads from local memory: {name}")
+    if count["STL"] > 0 or count["LDL"] > MOST_KEPT_WORDS:
+        yield f"{name} spills in its loop"
+    if end - first > INSTRUCTIONS_PER_NODE * nodes:
+        yield f"{name} takes {end - first} instructions; {INSTRUCTIONS_PER_NODE * nodes} at most"
 
 
 def main():
@@ -75,7 +72,7 @@ def main():
     found = list(kernels(listing))
     wrong = [sentence for name, code in found for sentence in complaints(name, code, nodes)]
     if not found:
-        wrong = [f"{library} has no resident step"]
+        wrong = [f"{library} has no kernel called step"]
     for sentence in wrong:
         print(f"FAIL: {sentence}")
     return 1 if wrong else 0

@@ -1,6 +1,7 @@
 // The sheet: construction, crossings through faces, edges and vertices, sides, distances, volume.
 #include "catch.hpp"
 
+#include <algorithm>
 #include <random>
 
 #include "held_sheet.hpp"
@@ -298,18 +299,52 @@ struct Backwards : mpmpbd::Solo {
 };
 }  // namespace
 
-TEST_CASE("the lists of columns do not depend on who comes first", "[surface][columns]") {
+// Points and paths on a grid of half edges meet many triangles at the same place.
+TEST_CASE("no question to the sheet hangs on the order of the lists", "[surface][columns]") {
   auto held = held_block<float>();
-  auto const expected = held.columns();
-  auto const n = static_cast<std::size_t>(expected.columns()) + 1;
-  std::vector<int> first(n, 77), item(static_cast<std::size_t>(expected.capacity), 77);
-  auto const columns = make_columns(expected.origin, 1 / expected.inverse_width, expected.count[0],
-                                    expected.count[1], expected.margin, IntegerRow{first.data()},
-                                    IntegerRow{item.data()}, expected.capacity);
-  REQUIRE(columns.build(Backwards{}, held.sheet()) == 0);
-  for (std::size_t c = 0; c < n; ++c) REQUIRE(first[c] == expected.first(std::int64_t(c)));
-  REQUIRE(first.back() > 1000);
-  for (int k = 0; k < first.back(); ++k) REQUIRE(item[std::size_t(k)] == expected.item(k));
+  auto const sheet = held.sheet();
+  auto const in_order = held.columns();
+  auto const n = static_cast<std::size_t>(in_order.columns()) + 1;
+  std::vector<int> first(n, 77), item(static_cast<std::size_t>(in_order.capacity), 77);
+  auto const backwards = make_columns(
+      in_order.origin, 1 / in_order.inverse_width, in_order.count[0], in_order.count[1],
+      in_order.margin, IntegerRow{first.data()}, IntegerRow{item.data()}, in_order.capacity);
+  REQUIRE(backwards.build(Backwards{}, sheet) == 0);
+  bool differ = false;
+  for (std::size_t c = 0; c < n; ++c) {
+    REQUIRE(first[c] == in_order.first(std::int64_t(c)));
+    if (c == 0) continue;
+    std::vector<int> list(item.begin() + first[c - 1], item.begin() + first[c]);
+    for (int k = first[c - 1]; k < first[c]; ++k)
+      differ |= item[std::size_t(k)] != in_order.item(k);
+    std::sort(list.begin(), list.end());
+    for (int k = 0; k < int(list.size()); ++k)
+      REQUIRE(list[std::size_t(k)] == in_order.item(first[c - 1] + k));
+  }
+  REQUIRE(differ);
+  auto const b = block<float>();
+  int near = 0, crossed = 0;
+  for (int i = 0; i < 21; ++i)
+    for (int j = 0; j < 21; ++j) {
+      auto const share = [](int k) { return float(k) / 20; };
+      Vec3<float> const size = b.high - b.low;
+      auto const x =
+          vec(b.low[0] + share(i) * size[0], b.low[1] + share(j) * size[1], b.high[2] + 0.0005f);
+      auto const one = nearest_on_sheet(sheet, in_order, x, 0.004f),
+                 other = nearest_on_sheet(sheet, backwards, x, 0.004f);
+      near += one.found;
+      REQUIRE(one.mark.triangle == other.mark.triangle);
+      REQUIRE(one.distance == other.distance);
+      auto const through = x - vec(0.0f, 0.0f, 2 * size[2]);
+      auto const here = crossings(sheet, in_order, x, through),
+                 there = crossings(sheet, backwards, x, through);
+      crossed += here.count;
+      REQUIRE(here.count == there.count);
+      for (int k = 0; k < here.count; ++k)
+        REQUIRE(here.list[k].mark.triangle == there.list[k].mark.triangle);
+    }
+  REQUIRE(near > 400);
+  REQUIRE(crossed > 600);
 }
 
 TEST_CASE("too few items for the columns sets the overflow bit and writes nothing beyond",

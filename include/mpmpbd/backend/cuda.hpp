@@ -15,15 +15,13 @@ namespace mpmpbd {
 
 // Where to run.
 struct Cuda {
-  // resident: a thread block per environment, which holds its grid in shared memory; a step is one launch. tiled: grids
-  // in the memory of the device, of any size; a step is 3 launches per substep. automatic: resident where it fits.
+  // resident: a thread block holds the grid of an environment in shared memory; a step is one launch. tiled: grids in the
+  // memory of the device, of any size; a step is 3 launches per substep. automatic: resident where it fits.
   enum class Execution { automatic, resident, tiled };
 
   int device = 0;
   void* stream = nullptr;  // a cudaStream_t of that device; null: its default stream
-  // Of a block: 128 to 512, a multiple of 32. 0: 512, or fewer where environments share a multiprocessor. Bits do not
-  // depend on it
-  int threads = 0;
+  int threads = 512;       // of a block: 128 to 512, a multiple of 32. Bits do not depend on it
   Execution execution = Execution::automatic;  // nor on this
 };
 

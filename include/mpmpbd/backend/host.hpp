@@ -73,7 +73,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     return faults;
   }
 
-  std::uint32_t lost_bodies() const { return mpmpbd::lost_bodies(access()); }
+  std::uint32_t lost_bodies() const { return mpmpbd::lost_bodies(Solo{}, access()); }
 
   // Holds particles that were set from outside at the border of the domain.
   std::uint32_t hold_particles() {

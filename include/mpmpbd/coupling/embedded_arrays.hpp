@@ -44,27 +44,30 @@ template <class T, class Form> struct EmbeddedArrays {
   Following* following;   // by ChannelOrder; with a surface
   RigidBody<T>* needle;
   void* exchange;
+  FastMemory exchange_fast;
 
-  // Cuts the arrays from `memory` (null: only measures). Returns the bytes used.
-  MPMPBD_HD std::size_t cut(void* memory, BodyCounts const& n) {
-    detail::Cutter cutter{static_cast<char*>(memory)};
+  // Cuts the arrays from `memory` (null: only measures), those that live for a substep from fast memory where there is some.
+  // Returns how much of both is used.
+  MPMPBD_HD detail::Cutter cut(void* memory, BodyCounts const& n, FastMemory const& fast = {}) {
+    detail::Cutter cutter{static_cast<char*>(memory), fast};
     column_first = {cutter.cut<int>(static_cast<int>(n.columns() + 1))};
     column_item = {cutter.cut<int>(static_cast<int>(n.column_items()))};
-    position = cutter.cut<Vec3<T>>(n.beads);
-    velocity = cutter.cut<Vec3<T>>(n.beads);
-    mass = cutter.cut<T>(n.beads);
-    known = cutter.cut<bool>(n.beads);
-    rest_length = cutter.cut<T>(n.beads);
-    rest_angle = cutter.cut<T>(n.beads);
-    impulse = cutter.cut<T>(n.beads);
-    points = cutter.cut<ContactPoint<T>>(n.exchange().points());
+    position = cutter.cut_fast<Vec3<T>>(n.beads);
+    velocity = cutter.cut_fast<Vec3<T>>(n.beads);
+    mass = cutter.cut_fast<T>(n.beads);
+    known = cutter.cut_fast<bool>(n.beads);
+    rest_length = cutter.cut_fast<T>(n.beads);
+    rest_angle = cutter.cut_fast<T>(n.beads);
+    impulse = cutter.cut_fast<T>(n.beads);
+    points = cutter.cut_fast<ContactPoint<T>>(n.exchange().points());
+    needle = cutter.cut_fast<RigidBody<T>>(1);
     aside = cutter.cut<ThreadPlace<T>>(n.triangles > 0 ? 2 * n.beads : 0);
     following =
         cutter.cut<Following>(n.triangles > 0 ? ChannelOrder{n.beads, n.needle_points}.count() : 0);
-    needle = cutter.cut<RigidBody<T>>(1);
     exchange = cutter.cut<double>(static_cast<int>(
         (exchange_bytes<T, Form>(n.exchange()) + sizeof(double) - 1) / sizeof(double)));
-    return cutter.used;
+    exchange_fast = cutter.fast_left();
+    return cutter;
   }
 };
 

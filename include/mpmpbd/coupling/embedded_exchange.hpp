@@ -44,7 +44,6 @@ template <class Env> MPMPBD_HD auto channels_of_environment(Env const& env) {
 
 template <class In> struct ExchangeImpulses {
   static constexpr FixedString name = "exchange";
-  static constexpr bool announces_nodes = true;
   using Kind = kind::Together;
   using Rods = typename In::Rods;
   using Needle = typename In::Needle;
@@ -105,14 +104,19 @@ template <class In> struct ExchangeImpulses {
     using T = typename Ctx::Scalar;
     EmbeddedArrays<T, Form> a;
     BodyCounts const n = counts(env, context);
-    return a.cut(nullptr, n) + Pressure::template bytes<T, Shape>(n.exchange().points(),
-                                                                  env.template live<Particles>());
+    return a.cut(nullptr, n).used + Pressure::template bytes<T, Shape>(
+                                        n.exchange().points(), env.template live<Particles>());
   }
 
   // Bytes of fast memory (FastMemory) that help.
   template <class Env, class Ctx>
   static std::size_t fast_bytes(Env const& env, Ctx const& context) {
-    return exchange_fast_bytes<typename Ctx::Scalar, Form>(counts(env, context).exchange());
+    using T = typename Ctx::Scalar;
+    EmbeddedArrays<T, Form> a;
+    BodyCounts const n = counts(env, context);
+    FastMemory const all{nullptr, ~std::size_t{0}};
+    return a.cut(nullptr, n, all).fast_used + sizeof(double) +
+           exchange_fast_bytes<T, Form>(n.exchange());
   }
 
   template <class Team_, class Env, class Ctx, class Grid>
@@ -122,7 +126,9 @@ template <class In> struct ExchangeImpulses {
     std::uint32_t faults = move_by_others(team, env, context);
     BodyCounts const n = counts(env, context);
     EmbeddedArrays<T, Form> a;
-    std::size_t const used = a.cut(grid.scratch, n);
+    FastMemory fast;
+    if constexpr (requires { grid.fast; }) fast = grid.fast;
+    std::size_t const used = a.cut(grid.scratch, n, fast).used;
     auto x = view(env, context, grid, n, a);
     load_points(team, env, x);
     load_thread(team, env, context, x, a);
@@ -181,10 +187,7 @@ template <class In> struct ExchangeImpulses {
     x.attached_points = n.attached_points;
     x.friction = context.template of<typename Laws::FrictionLaw>();
     x.drag = context.template of<typename Laws::DragLaw>();
-    if constexpr (requires { grid.fast; })
-      use_workspace(x, n.exchange(), a.exchange, grid.slot_of_node, grid.fast);
-    else
-      use_workspace(x, n.exchange(), a.exchange, grid.slot_of_node);
+    use_workspace(x, n.exchange(), a.exchange, grid.slot_of_node, a.exchange_fast);
     return x;
   }
 

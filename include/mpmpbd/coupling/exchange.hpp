@@ -264,8 +264,6 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
     std::uint32_t const faults =
         connect(team, x.incidence, x.count(), x.on, [&](int q) { return firmness(x.points[q]); });
-    if constexpr (requires { nodes.announce(team, x.incidence); })
-      nodes.announce(team, x.incidence);
     find_head();
     load_nodes();
     T const scale = x.previous_dt > T(0) ? x.dt / x.previous_dt : T(1);
@@ -590,8 +588,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 // the impulse of every point are those of the end of the substep. Returns faults; with Fault::solver
 // nothing was moved and every impulse is zero.
 //
-// nodes: mass(i) > 0 where it has mass, inverse_mass(i) per axis, velocity(i), set_velocity(i, v). Where there
-// is announce(team, incidence), it is told early which nodes may change; no particle is read after that.
+// nodes: mass(i) > 0 where it has mass, inverse_mass(i) per axis, velocity(i), set_velocity(i, v).
 template <class Team_, class T, class Form, class Nodes>
 MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const& x,
                                  Nodes const& nodes, int sweeps = 2) {

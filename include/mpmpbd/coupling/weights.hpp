@@ -30,18 +30,28 @@ MPMPBD_HD Neighbourhood<T> neighbourhood(Lattice<T> const& lattice, Vec3<T> cons
   return s;
 }
 
-// Calls f(a, node, weight, d) for every node of a point in a fixed order; d = x_i - x in cells.
+// Calls f(a, node, weight, d) for every node of a point in a fixed order; d = x_i - x in cells. A device has arrays that
+// f indexes by a in registers, and the loads of all nodes on their way.
 template <class Shape, class T, class F>
 MPMPBD_INLINE void for_each_node(Lattice<T> const& lattice, Neighbourhood<T> const& s, F const& f) {
   T weight[3][Shape::width];
   for (int axis = 0; axis < 3; ++axis)
     for (int i = 0; i < Shape::width; ++i) weight[axis][i] = Shape::weight(i, s.f[axis]);
-  int a = 0;
+#if defined(__CUDA_ARCH__)
+#pragma unroll
+#endif
   for (int k = 0; k < Shape::width; ++k)
+#if defined(__CUDA_ARCH__)
+#pragma unroll
+#endif
     for (int j = 0; j < Shape::width; ++j) {
       int const row = static_cast<int>(lattice.index(s.base[0], s.base[1] + j, s.base[2] + k));
-      for (int i = 0; i < Shape::width; ++i, ++a)
-        f(a, row + i, weight[0][i] * weight[1][j] * weight[2][k],
+#if defined(__CUDA_ARCH__)
+#pragma unroll
+#endif
+      for (int i = 0; i < Shape::width; ++i)
+        f((k * Shape::width + j) * Shape::width + i, row + i,
+          weight[0][i] * weight[1][j] * weight[2][k],
           vec(T(i) - s.f[0], T(j) - s.f[1], T(k) - s.f[2]));
     }
 }
@@ -53,10 +63,10 @@ template <class T> struct Surroundings {
   Vec3<T> slope;
   T rest;
 };
-// Calls note(a, node, w m) for every node.
+// Calls note(a, w m) for every node.
 template <class Shape, class T, class Nodes, class Note>
-MPMPBD_HD Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourhood<T> const& near,
-                                       Nodes const& nodes, Note const& note) {
+MPMPBD_INLINE Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourhood<T> const& near,
+                                           Nodes const& nodes, Note const& note) {
   Surroundings<T> const none{};
   if (!near.inside) return none;
   T total = T(0);
@@ -66,7 +76,7 @@ MPMPBD_HD Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourhood<
   for_each_node<Shape>(lattice, near, [&](int a, int i, T w, Vec3<T> const& d) {
     T const wm = w * nodes.mass(i);
     total += wm;
-    note(a, i, wm);
+    note(a, wm);
     first += wm * d;
     xx += wm * (d[0] * d[0]), xy += wm * (d[0] * d[1]), xz += wm * (d[0] * d[2]);
     yy += wm * (d[1] * d[1]), yz += wm * (d[1] * d[2]), zz += wm * (d[2] * d[2]);
@@ -90,18 +100,18 @@ MPMPBD_HD Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourhood<
 //
 // Returns sum w m of the plain weights. It is 0, and the point unusable, when the nodes with mass lie in
 // one plane, or all on one side so that the correction would exceed 8: on a flat surface from 0.47 cells above it,
-// just before Grip::at_all lets go (0.515).
+// just before Grip::at_all lets go (0.515). Weights and nodes are left alone then.
 template <class Shape, class T, class Nodes>
-MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
-                              T* weight, int* node) {
+MPMPBD_INLINE T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
+                                  T* weight, int* node) {
   auto const near = detail::neighbourhood<Shape>(lattice, x);
-  auto const s = detail::surroundings<Shape>(lattice, near, nodes, [&](int a, int i, T wm) {
-    weight[a] = wm;
-    node[a] = i;
-  });
+  T plain[nodes_per_point<Shape>];
+  auto const s =
+      detail::surroundings<Shape>(lattice, near, nodes, [&](int a, T wm) { plain[a] = wm; });
   if (!(s.mass > T(0))) return T(0);
-  detail::for_each_node<Shape>(lattice, near, [&](int a, int, T, Vec3<T> const& d) {
-    weight[a] *= (1 - dot(s.slope, d)) / (s.rest * s.mass);
+  detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T, Vec3<T> const& d) {
+    weight[a] = plain[a] * ((1 - dot(s.slope, d)) / (s.rest * s.mass));
+    node[a] = i;
   });
   return s.mass;
 }
@@ -109,7 +119,7 @@ MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes
 template <class Shape, class T, class Nodes>
 MPMPBD_HD T mass_around(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes) {
   auto const near = detail::neighbourhood<Shape>(lattice, x);
-  return detail::surroundings<Shape>(lattice, near, nodes, [](int, int, T) {}).mass;
+  return detail::surroundings<Shape>(lattice, near, nodes, [](int, T) {}).mass;
 }
 
 }  // namespace mpmpbd

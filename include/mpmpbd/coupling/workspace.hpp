@@ -47,6 +47,12 @@ struct Cutter {
     fast_used = end;
     return array<U>(fast.first, at);
   }
+  // What is left of fast memory, aligned for double.
+  MPMPBD_HD FastMemory fast_left() const {
+    std::size_t const at = place<double>(fast_used);
+    if (at >= fast.bytes) return {};
+    return {array<char>(fast.first, at), fast.bytes - at};
+  }
 
  private:
   template <class U> MPMPBD_HD static std::size_t place(std::size_t from) {
@@ -86,9 +92,9 @@ MPMPBD_HD Cutter cut_workspace(char* memory, FastMemory const& fast, ExchangeCap
   i.node_capacity = c.nodes<typename Form::Shape>();
   i.point_capacity = c.points();
   i.per_point = per_point;
-  i.weight = cutter.cut<T>(pairs);
+  i.weight = cutter.cut_fast<T>(pairs);
+  i.slot = cutter.cut_fast<int>(pairs);
   i.node = cutter.cut<int>(pairs);
-  i.slot = cutter.cut<int>(pairs);
   i.pairs = cutter.cut<int>(pairs);
   i.nodes = cutter.cut<TouchedNode<T>>(i.node_capacity);
   i.counters = cutter.cut<int>(2);

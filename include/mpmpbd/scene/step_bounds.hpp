@@ -87,30 +87,25 @@ template <class T> struct Room {
   }
 };
 
-namespace detail {
-template <class F, class Env> MPMPBD_HD bool field_is_finite(Env const& env) {
+// not_finite where a bead, a frame or a needle has a NaN or an infinity, as far as a lane of the team sees it; particles
+// are asked by their bounds.
+template <class Team_, class Env>
+MPMPBD_HD std::uint32_t lost_bodies(Team_ const& team, Env const& env) {
   bool all = true;
-  if constexpr (Env::template has<F>) {
-    auto const& d = env.template domain<typename F::Domain>();
-    for (int c = 0; c < F::components; ++c) {
-      auto const* const of = d.view.template plane<F>(c) + d.first;
-      for (std::int64_t slot = 0; slot < d.count; ++slot) all = all && is_finite(of[slot]);
+  auto const look = [&]<class F>(F) {
+    if constexpr (Env::template has<F>) {
+      auto const& d = env.template domain<typename F::Domain>();
+      team.each(static_cast<int>(d.count), [&](int slot) {
+        for (int c = 0; c < F::components; ++c)
+          all = is_finite(d.view.template plane<F>(c)[d.first + slot]) && all;
+      });
     }
-  }
-  return all;
-}
-template <class Env, class... Fs> MPMPBD_HD bool fields_are_finite(Env const& env, Fields<Fs...>) {
-  return (field_is_finite<Fs>(env) && ...);
-}
-}  // namespace detail
-
-// not_finite where a bead, a frame or a needle has a NaN or an infinity; particles are asked by their bounds.
-template <class Env> MPMPBD_HD std::uint32_t lost_bodies(Env const& env) {
-  using Moving = Fields<bead::Position, bead::Velocity, frame::Orientation, frame::AngularVelocity,
-                        needle::Position, needle::Orientation, needle::LinearVelocity,
-                        needle::AngularVelocity>;
-  return detail::fields_are_finite(env, Moving{}) ? 0
-                                                  : static_cast<std::uint32_t>(Fault::not_finite);
+  };
+  look(bead::Position{}), look(bead::Velocity{});
+  look(frame::Orientation{}), look(frame::AngularVelocity{});
+  look(needle::Position{}), look(needle::Orientation{});
+  look(needle::LinearVelocity{}), look(needle::AngularVelocity{});
+  return all ? 0 : static_cast<std::uint32_t>(Fault::not_finite);
 }
 
 // A needle may be told to move faster than any particle does, and must not pass through tissue between two

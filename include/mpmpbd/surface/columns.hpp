@@ -2,9 +2,9 @@
 // it.
 //
 // Scratch, rebuilt when the sheet has moved by `margin` (a substep moves it by much less than a
-// cell, so once per step is enough), by all lanes of a team; every list is in triangle order, so it
-// does not depend on who came first. A column holds each of its triangles once, which is what
-// counting the crossings of a vertical ray needs.
+// cell, so once per step is enough), by all lanes of a team. A list is in no order: no question to
+// the sheet hangs on it. A column holds each of its triangles once, which is what counting the
+// crossings of a vertical ray needs.
 #pragma once
 
 #include <type_traits>
@@ -93,8 +93,6 @@ template <class T, class Firsts, class Items> struct Columns {
       for_each_overlap(sheet, k, [&](std::int64_t c) { item.set(add(team, c + 1), k); });
     });
     team.sync();
-    team.each(n, [&](int c) { sort(first(c), first(c + 1)); });
-    team.sync();
     return 0u;
   }
 
@@ -113,24 +111,19 @@ template <class T, class Firsts, class Items> struct Columns {
     }
   }
   // From how many items a column has, which stands in the entry after its own, to its first one there.
-  // Entry 0 is not 0 where they do not fit.
+  // Entry 0 is not 0 where they do not fit. Entries are read some at a time, so that they are on their way together.
   MPMPBD_HD void number_items() const {
-    std::int64_t sum = 0;
-    for (std::int64_t c = 0; c < columns(); ++c) {
-      std::int64_t const own = first(c + 1);
-      first.set(c + 1, sum);
-      sum += own;
+    constexpr int some = 16;
+    std::int64_t sum = 0, own[some];
+    for (std::int64_t begin = 0; begin < columns(); begin += some) {
+      int const n = static_cast<int>(min(columns() - begin, std::int64_t{some}));
+      for (int i = 0; i < some; ++i) own[i] = i < n ? first(begin + i + 1) : 0;
+      for (int i = 0; i < n; ++i) {
+        first.set(begin + i + 1, sum);
+        sum += own[i];
+      }
     }
     if (sum > capacity) first.set(0, 1);
-  }
-  // Puts a list, which is short and mostly in order, into the order of the triangles.
-  MPMPBD_HD void sort(std::int64_t begin, std::int64_t end) const {
-    for (std::int64_t i = begin + 1; i < end; ++i) {
-      std::int64_t const k = item(i);
-      std::int64_t at = i;
-      for (; at > begin && item(at - 1) > k; --at) item.set(at, item(at - 1));
-      if (at < i) item.set(at, k);
-    }
   }
   template <class S, class F>
   MPMPBD_HD void for_each_overlap(S const& sheet, std::int64_t k, F&& f) const {

@@ -55,7 +55,7 @@ namespace emulated {
 inline unsigned seed = 1;
 inline int devices = 1;
 inline std::size_t free_bytes = std::size_t{1} << 34;
-inline int multiprocessors = 132;
+inline int multiprocessors = 2;
 inline int shared_bytes_per_block = 232448;
 inline int launches = 0, allocations = 0, copies = 0, waits = 0;  // counted
 
@@ -240,8 +240,6 @@ enum cudaError_t { cudaSuccess, cudaErrorMemoryAllocation, cudaErrorInvalidValue
 enum cudaMemcpyKind { cudaMemcpyHostToDevice, cudaMemcpyDeviceToHost, cudaMemcpyDeviceToDevice };
 enum cudaDeviceAttr {
   cudaDevAttrMaxSharedMemoryPerBlockOptin,
-  cudaDevAttrReservedSharedMemoryPerBlock,
-  cudaDevAttrMaxSharedMemoryPerMultiprocessor,
   cudaDevAttrMultiProcessorCount
 };
 enum cudaFuncAttribute { cudaFuncAttributeMaxDynamicSharedMemorySize };
@@ -254,12 +252,8 @@ inline cudaError_t cudaGetDevice(int* device) { return *device = 0, cudaSuccess;
 inline cudaError_t cudaSetDevice(int) { return cudaSuccess; }
 inline cudaError_t cudaStreamSynchronize(cudaStream_t) { return ++emulated::waits, cudaSuccess; }
 inline cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr which, int) {
-  constexpr int reserved = 1024;
-  int const per_block = emulated::shared_bytes_per_block;
-  *value = which == cudaDevAttrReservedSharedMemoryPerBlock       ? reserved
-           : which == cudaDevAttrMaxSharedMemoryPerMultiprocessor ? per_block + reserved
-           : which == cudaDevAttrMultiProcessorCount              ? emulated::multiprocessors
-                                                                  : per_block;
+  *value = which == cudaDevAttrMultiProcessorCount ? emulated::multiprocessors
+                                                   : emulated::shared_bytes_per_block;
   return cudaSuccess;
 }
 inline cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* all) {

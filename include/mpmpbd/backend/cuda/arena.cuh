@@ -48,16 +48,12 @@ template <class T> struct FixedPoint {
   }
 };
 
-// Velocities that lie beside the sums, so that particles can gather and scatter at once: four numbers together.
-template <class T> struct VelocitiesApart {
+// Velocities of nodes and their masses: four numbers together.
+template <class T> struct Velocities {
   using Four = typename NumbersOf<T>::Four;
   Four* data;  // w: mass
 
-  static constexpr int bytes_per_node = sizeof(Four);
-  __device__ static VelocitiesApart at(char* memory, int) {
-    return {reinterpret_cast<Four*>(memory)};
-  }
-  __device__ __forceinline__ VelocitiesApart operator+(int n) const { return {data + n}; }
+  __device__ __forceinline__ Velocities operator+(int n) const { return {data + n}; }
   __device__ __forceinline__ Quad<T> operator[](int n) const {
     auto const v = data[n];
     return quad<T>(v.x, v.y, v.z, v.w);
@@ -66,45 +62,42 @@ template <class T> struct VelocitiesApart {
     data[n] = {v[0], v[1], v[2], v[3]};
   }
   __device__ T mass(int n) const { return data[n].w; }
-};
-// Velocities in the place of the sums they are made of: half the memory, and a pass more over the particles. Planes as
-// those of the sums.
-template <class T> struct VelocitiesInPlace {
-  T *x, *y, *z, *w;
 
-  static constexpr int bytes_per_node = 0;
-  __device__ static VelocitiesInPlace at(char* memory, int count) {
-    static_assert(sizeof(T) == sizeof(typename NumbersOf<T>::Integer));
-    auto* const first = reinterpret_cast<T*>(memory);
-    return {first, first + count, first + 2 * count, first + 3 * count};
+  // By all threads of the block, several loads of each on their way.
+  __device__ void copy(Velocities const& from, int count) const {
+    constexpr int some = 4;
+    int const step = static_cast<int>(blockDim.x);
+    int i = static_cast<int>(threadIdx.x);
+    for (; i + (some - 1) * step < count; i += some * step) {
+      Four loaded[some];
+#if defined(__CUDACC__)
+#pragma unroll
+#endif
+      for (int k = 0; k < some; ++k) loaded[k] = from.data[i + k * step];
+#if defined(__CUDACC__)
+#pragma unroll
+#endif
+      for (int k = 0; k < some; ++k) data[i + k * step] = loaded[k];
+    }
+    for (; i < count; i += step) data[i] = from.data[i];
   }
-  __device__ __forceinline__ VelocitiesInPlace operator+(int n) const {
-    return {x + n, y + n, z + n, w + n};
-  }
-  __device__ __forceinline__ Quad<T> operator[](int n) const {
-    return quad<T>(x[n], y[n], z[n], w[n]);
-  }
-  __device__ __forceinline__ void set(int n, Quad<T> const& v) const {
-    x[n] = v[0], y[n] = v[1], z[n] = v[2], w[n] = v[3];
-  }
-  __device__ T mass(int n) const { return w[n]; }
 };
 
-// Float: 16 B of sums per node, and 16 B of velocity where it lies apart.
-template <class T, template <class> class Velocities = VelocitiesApart> struct Arena {
+// Float: 16 B of velocity and 16 B of sums per node.
+template <class T> struct Arena {
   using Integer = typename NumbersOf<T>::Integer;
   Velocities<T> velocity;
   Integer* sums;  // four planes: momentum x, y, z, mass
   int count;      // nodes
 
-  static constexpr bool in_place = Velocities<T>::bytes_per_node == 0;
   MPMPBD_HD static constexpr std::int64_t bytes(std::int64_t nodes) {
-    return (Velocities<T>::bytes_per_node + 4 * static_cast<std::int64_t>(sizeof(Integer))) * nodes;
+    return static_cast<std::int64_t>(sizeof(typename Velocities<T>::Four) + 4 * sizeof(Integer)) *
+           nodes;
   }
 
   __device__ static Arena at(char* memory, int count) {
-    auto* const sums = memory + Velocities<T>::bytes_per_node * static_cast<std::int64_t>(count);
-    return {Velocities<T>::at(memory, count), reinterpret_cast<Integer*>(sums), count};
+    auto* const velocities = reinterpret_cast<typename Velocities<T>::Four*>(memory);
+    return {{velocities}, reinterpret_cast<Integer*>(velocities + count), count};
   }
   __device__ void clear_sums() const {
     Run{0, 4 * count}.each([&](int i) { sums[i] = 0; });
@@ -136,8 +129,8 @@ template <class T> struct FixedRow {
               static_cast<Unsigned>(NumbersOf<T>::nearest(counts)));
   }
 };
-template <class Grid, class T> struct SumsOfArena {
-  Grid arena;
+template <class T> struct SumsOfArena {
+  Arena<T> arena;
   Lattice<T> lattice;
   FixedPoint<T> unit;
   // Momentum at a cell per substep counts as much as mass: with no more than most_masses at a node the sums hold it.
@@ -156,8 +149,8 @@ template <class Grid, class T> struct SumsOfArena {
   }
 };
 
-template <class Grid, class T> struct VelocitiesOfArena {
-  Grid arena;
+template <class T> struct VelocitiesOfArena {
+  Arena<T> arena;
   Lattice<T> lattice;
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
     int const first = static_cast<int>(lattice.index(at[0], at[1], at[2]));
@@ -167,10 +160,10 @@ template <class Grid, class T> struct VelocitiesOfArena {
 
 // Velocities of a run of nodes from their sums, then the scene's forces and boundaries; clears the sums that lie apart. `before`: the grid
 // before the forces, where the transfer asks for it. Returns the faults met.
-template <class Stage, class Grid, class T, class Ctx>
-__device__ __forceinline__ std::uint32_t move_nodes(Grid const& arena, Run const& nodes,
+template <class Stage, class T, class Ctx>
+__device__ __forceinline__ std::uint32_t move_nodes(Arena<T> const& arena, Run const& nodes,
                                                     Ctx const& context, FixedPoint<T> const& unit,
-                                                    Grid const& before = {}) {
+                                                    Arena<T> const& before = {}) {
   using Unsigned = typename NumbersOf<T>::Unsigned;
   using Used = on_t<union_t<typename Stage::Reads, typename Stage::Writes>, Nodes>;
   constexpr auto most = static_cast<Unsigned>(FixedPoint<T>::most_masses * FixedPoint<T>::scale);
@@ -196,8 +189,7 @@ __device__ __forceinline__ std::uint32_t move_nodes(Grid const& arena, Run const
     Stage::run(n, context);
     Vec3<T> const v = n[node::Velocity{}];
     arena.velocity.set(i, quad(v[0], v[1], v[2], n[node::Mass{}]));
-    if constexpr (!Grid::in_place)
-      for (int c = 0; c < 4; ++c) sum[c * plane] = 0;
+    for (int c = 0; c < 4; ++c) sum[c * plane] = 0;
     if constexpr (looks_back) {
       Vec3<T> const u = n[node::PreviousVelocity{}];
       before.velocity.set(i, quad(u[0], u[1], u[2], T(0)));

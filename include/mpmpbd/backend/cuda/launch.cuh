@@ -19,8 +19,7 @@ template <class Scene, class T> struct Launch {
   char* scratch;              // of the coupling, per environment
   std::int64_t scratch_stride;
   int* slot_of_node;        // of the coupling, per environment and node; -1 between two exchanges
-  int* waiting;             // resident form: per environment and slot of a particle
-  std::int64_t fast_bytes;  // of shared memory for the coupling, per environment
+  std::int64_t fast_bytes;  // of shared memory for the team that carries out a coupling
 
   __device__ bool moves(std::int64_t env) const { return mask == nullptr || mask[env] != 0; }
   // Made where they are used: kept, their many pointers would crowd the registers.
@@ -49,11 +48,11 @@ __device__ inline void lower(double& to, double value) {
 }
 }  // namespace detail
 
-// What is found in the particles of an environment before they move. None of it depends on their order.
+// What is found in an environment before it moves. None of it depends on their order.
 template <class T> struct Findings {
   StepBounds<T> bounds;
   T heaviest = T(0), lightest = infinity<T>;  // particle [kg]
-  unsigned held = 0;                          // fault of those beyond the border
+  unsigned held = 0;                          // faults of those beyond the border, and of bodies
   unsigned faults = 0;                        // of their state
 
   // Threads may do so at the same time.
@@ -104,10 +103,15 @@ template <class Scene, class T> struct StepRecord {
   StepClock<T> clock;
   Findings<T> found;
   unsigned met[2];  // faults, by substeps: even, odd
+  bool moves;       // from the beginning of its step to the end
   bool frozen;
 
-  template <class Env> __device__ void open(Env const& env, Lattice<T> const& lattice) {
-    context = load_context<typename Scene::Physics>(env, lattice);
+  // `chosen`: whether it is to move at all.
+  template <class Control>
+  __device__ void open(Control const& control, bool chosen, Lattice<T> const& lattice) {
+    moves = chosen && !control.frozen();
+    if (!moves) return;
+    context = load_context<typename Scene::Physics>(control.env, lattice);
     found = {};
     met[0] = met[1] = 0;
     frozen = false;
@@ -116,22 +120,27 @@ template <class Scene, class T> struct StepRecord {
   template <class Control>
   __device__ void choose(Control const& control, Launch<Scene, T> const& launch) {
     found.bounds.speed = max(found.bounds.speed, needle_speed<Scene>(control.env, context));
-    control.meet(found.held | lost_bodies(control.env));
+    control.meet(found.held);
     control.meet(found.faults);
     if (found.heaviest > FixedPoint<T>::greatest_contrast * found.lightest)
       control.meet(static_cast<std::uint32_t>(Fault::overflow));
     auto const limit = step_limit<typename Scene::Body>(found.bounds, launch.lattice.dx);
     clock = control.begin(limit, launch.h, launch.choice);
     frozen = control.frozen();
+    if (frozen) finish(control, 0);
   }
   __device__ void note(unsigned faults, int s) {
     if (faults != 0) atomicOr(&met[s & 1], faults);
   }
-  // What substep s has met; gets the counters of the next one ready.
-  template <class Control> __device__ void close(Control const& control, int s) {
-    control.meet(met[s & 1] | lost_bodies(control.env));
-    met[s & 1] = 0;
-    frozen = control.frozen();
+  // Before substep s: counts what the one before it has met. Ends the step where that was the last, or the environment
+  // is lost.
+  template <class Control> __device__ void close_before(Control const& control, int s) {
+    if (s > 0) {
+      control.meet(met[(s - 1) & 1]);
+      met[(s - 1) & 1] = 0;
+      frozen = control.frozen();
+    }
+    if (frozen || s == clock.substeps) finish(control, s);
   }
 
   __device__ FixedPoint<T> fixed_point() const {
@@ -141,6 +150,12 @@ template <class Scene, class T> struct StepRecord {
   __device__ static Ctx at(Ctx context, StepClock<T> const& clock, int s) {
     context.tick = clock.tick(s);
     return context;
+  }
+
+ private:
+  template <class Control> __device__ void finish(Control const& control, int done) {
+    control.finish(clock, done);
+    moves = false;
   }
 };
 

@@ -36,16 +36,16 @@ struct Met {
   unsigned now = 0, next = 0;
 };
 
-template <class Scene, class T, class Grid> struct ParticlePasses {
+template <class Scene, class T> struct ParticlePasses {
   using Body = typename Scene::Body;
   using P2G = ParticlesToGrid<Body, typename Scene::Effects>;
   using G2P = GridToParticles<Body, typename Scene::Effects>;
   using Ctx = typename StepRecord<Scene, T>::Ctx;
 
   Launch<Scene, T> const& launch;
-  Grid arena;
+  Arena<T> arena;
   FixedPoint<T> unit;
-  Grid before{};  // where the transfer needs the previous grid
+  Arena<T> before{};  // where the transfer needs the previous grid
 
   __device__ __forceinline__ void scatter(std::int64_t index, Ctx const& next, Met& met) const {
     visit<Single<P2G>>(index, [&](auto& p) { met.next |= P2G::run(p, sums(), next); });
@@ -64,19 +64,19 @@ template <class Scene, class T, class Grid> struct ParticlePasses {
 
  private:
   static constexpr bool looks_back = Body::Transfer::needs_previous_grid;
-  // With a coupling, the resident form has passes apart, which keep everything.
+  // A coupling may lose an environment in mid-step, which then holds one moment.
   static constexpr bool brief = !detail::couples<Scene>;
   __device__ __forceinline__ auto sums() const {
     if constexpr (looks_back)
-      return SumsOfBoth<Grid, T>{{arena, launch.lattice, unit}, before};
+      return SumsOfBoth<T>{{arena, launch.lattice, unit}, before};
     else
-      return SumsOfArena<Grid, T>{arena, launch.lattice, unit};
+      return SumsOfArena<T>{arena, launch.lattice, unit};
   }
   __device__ __forceinline__ auto velocities() const {
     if constexpr (looks_back)
-      return VelocitiesOfBoth<Grid, T>{{arena, launch.lattice}, before};
+      return VelocitiesOfBoth<T>{{arena, launch.lattice}, before};
     else
-      return VelocitiesOfArena<Grid, T>{arena, launch.lattice};
+      return VelocitiesOfArena<T>{arena, launch.lattice};
   }
   // What a stage leaves in registers is rounded as in memory: no product of one stage is fused with a sum of the next,
   // and passes apart give the same bits.

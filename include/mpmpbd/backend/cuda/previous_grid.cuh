@@ -13,18 +13,18 @@ template <class T> struct BothRows {
     before.add_momentum(n, q);  // its mass is the same
   }
 };
-template <class Grid, class T> struct SumsOfBoth : SumsOfArena<Grid, T> {
-  Grid before;
+template <class T> struct SumsOfBoth : SumsOfArena<T> {
+  Arena<T> before;
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
-    auto const now = SumsOfArena<Grid, T>::window(at);
-    auto const other = SumsOfArena<Grid, T>{before, this->lattice, this->unit}.window(at);
+    auto const now = SumsOfArena<T>::window(at);
+    auto const other = SumsOfArena<T>{before, this->lattice, this->unit}.window(at);
     return Window{BothRows<T>{now.first, other.first}, now.next_row, now.next_plane};
   }
 };
-template <class Grid, class T> struct VelocitiesOfBoth : VelocitiesOfArena<Grid, T> {
-  Grid before;
+template <class T> struct VelocitiesOfBoth : VelocitiesOfArena<T> {
+  Arena<T> before;
   __device__ __forceinline__ auto previous_window(int const (&at)[3]) const {
-    return VelocitiesOfArena<Grid, T>{before, this->lattice}.window(at);
+    return VelocitiesOfArena<T>{before, this->lattice}.window(at);
   }
 };
 

@@ -1,209 +1,224 @@
-// Resident execution: one thread block holds the grid of one environment in shared memory and runs all substeps of
-// a step in one launch: scatter, (n - 1) x fused gather and scatter, gather.
+// Resident execution: a thread block holds the grid of an environment in its shared memory, and all substeps of a step are
+// one launch: scatter, (n - 1) x fused gather and scatter, gather.
 //
-// A coupling has serial parts for which everybody waits. With one, velocities take the place of their sums, and gather and
-// scatter are passes apart: a multiprocessor holds twice as many environments, and one works while another waits.
+// A coupling is a long row of short stages, each waiting for the one before. So a block of a scene with one carries
+// several environments. Substep by substep it moves their particles, one environment after the other, puts each
+// grid by, and then carries out all couplings side by side, a team of threads each: one works while others wait.
 //
-// Stages are the scene's own. A coupling is carried out by the first threads of the block; as soon as it says
-// which nodes it may change, the others take the particles that see none of them. Sums are integers, so bits do
-// not depend on who came first.
+// Stages are the scene's own. Sums are integers, so bits depend neither on who came first nor on who shares a block.
 //
 // Limits: float (shared memory adds 64-bit integers in a loop); no FLIP (its grid would need twice the memory).
 #pragma once
 
+#include <algorithm>
+
 #include <mpmpbd/backend/cuda/couple.cuh>
+#include <mpmpbd/backend/cuda/memory.cuh>
 #include <mpmpbd/backend/cuda/passes.cuh>
 
 namespace mpmpbd::cuda {
 
-// What the threads of a block share beside the grid.
-template <class Scene> struct Shared : StepRecord<Scene, float> {
-  int taken;    // chunks of particles that have been
-  int waiting;  // particles that wait for the coupling
+template <class Scene> struct ResidentLaunch {
+  Launch<Scene, float> step;
+  std::int64_t environments;
+  int teams;
+  StepRecord<Scene, float>* records;  // per environment
+  float4* grids;  // with a coupling: velocities after forces, per environment and node
 };
 
-// Runs one environment on this block.
+// Runs the environments of this block.
 template <class Scene> class ResidentBlock {
   using In = typename Scene::In;
   using Move = MoveNodes<typename In::Body, typename In::Effects>;
-  using Grid = std::conditional_t<detail::couples<Scene>, Arena<float, VelocitiesInPlace>,
-                                  Arena<float, VelocitiesApart>>;
-  using Coupling = Couple<Scene, float, Grid>;
-  using Passes = ParticlePasses<Scene, float, Grid>;
-  using Near = typename Coupling::Near;
-  using Ctx = typename StepRecord<Scene, float>::Ctx;
+  using Coupling = Couple<Scene, float>;
+  using Passes = ParticlePasses<Scene, float>;
+  using Record = StepRecord<Scene, float>;
+  using Found = Findings<float>;
 
  public:
-  // Without the coupling's, which begins where these end.
   MPMPBD_HD static constexpr std::int64_t shared_bytes(std::int64_t nodes) {
-    return aligned(shared_at(nodes) + static_cast<std::int64_t>(sizeof(Shared<Scene>)));
+    return found_at(nodes) + static_cast<std::int64_t>(sizeof(Found));
   }
 
-  __device__ ResidentBlock(Launch<Scene, float> const& launch, char* memory)
+  __device__ ResidentBlock(ResidentLaunch<Scene> const& launch, char* memory)
       : launch_(launch),
-        arena_(Grid::at(memory, static_cast<int>(launch.lattice.count()))),
-        near_{reinterpret_cast<unsigned*>(memory + Grid::bytes(arena_.count)), launch.lattice},
-        shared_(shared_part(memory, arena_.count)),
-        live_(launch.live_particles(blockIdx.x)) {}
+        arena_(Arena<float>::at(memory, static_cast<int>(launch.step.lattice.count()))),
+        found_(*reinterpret_cast<Found*>(memory + found_at(arena_.count))) {}
 
   __device__ void step() {
-    if (!launch_.moves(blockIdx.x)) return;
-    StepControl const control{launch_.fields(blockIdx.x)};
-    if (control.frozen()) return;
-    begin(control);
-    __syncthreads();
-    auto const clock = shared_.clock;
-    if (shared_.frozen) {
-      if (threadIdx.x == 0) control.finish(clock, 0);
-      return;
-    }
-    Ctx const& context = shared_.context;
-    auto const at = [&](int s) { return StepRecord<Scene, float>::at(context, clock, s); };
-    Passes const passes{launch_, arena_, shared_.fixed_point()};
-    if constexpr (!Grid::in_place) scatter(passes, at(0), 0);
-    int done = 0;
-    for (; done < clock.substeps; ++done) {
-      __syncthreads();
-      if (done > 0) close(control, done - 1);
-      near_.clear();
-      Ctx const now = at(done);
-      if constexpr (Grid::in_place) {
-        scatter(passes, now, done);
-        __syncthreads();
-      }
-      shared_.note(move_nodes<Move>(arena_, Run{0, arena_.count}, now, passes.unit), done);
-      if (__syncthreads_or(threadIdx.x == 0 && shared_.frozen)) break;
-      if constexpr (!Grid::in_place) {
-        if (done + 1 < clock.substeps) {
-          advance(done, [&](std::int64_t index, Met& met) {
-            passes.gather_and_scatter(index, now, at(done + 1), met);
-          });
-          continue;
-        }
-      }
-      advance(done, [&](std::int64_t index, Met& met) { passes.gather(index, now, met); });
-    }
-    __syncthreads();
-    if (done == clock.substeps) close(control, done - 1);
-    if (threadIdx.x == 0) control.finish(clock, done);
+    arena_.clear_sums();
+    for (int s = 0; move_all(s); ++s)
+      if constexpr (Coupling::any) couple_all(s);
   }
 
  private:
-  MPMPBD_HD static constexpr std::int64_t aligned(std::int64_t bytes) {
-    return (bytes + 15) / 16 * 16;
+  MPMPBD_HD static constexpr std::int64_t found_at(std::int64_t nodes) {
+    return (Arena<float>::bytes(nodes) + 15) / 16 * 16;
   }
-  MPMPBD_HD static constexpr std::int64_t shared_at(std::int64_t nodes) {
-    return aligned(Grid::bytes(nodes) + Near::bytes(nodes));
-  }
-  __device__ static Shared<Scene>& shared_part(char* memory, std::int64_t nodes) {
-    return *reinterpret_cast<Shared<Scene>*>(memory + shared_at(nodes));
-  }
-  __device__ std::int64_t first() const { return launch_.first_particle(blockIdx.x); }
 
+  // Particles and grids of all environments to substep s. Returns whether there is one with such a substep.
+  __device__ bool move_all(int s) {
+    bool any = false;
+    for (std::int64_t env = blockIdx.x; env < launch_.environments; env += gridDim.x)
+      any = move(env, s) || any;
+    return any;
+  }
+  // Between two calls, sums are zero; in a scene without coupling, the grid stays.
+  __device__ bool move(std::int64_t env, int s) {
+    Record& record = launch_.records[env];
+    StepControl const control{launch_.step.fields(env)};
+    if (s == 0) begin(env, control, record);
+    if (!record.moves) return false;
+    auto const clock = record.clock;
+    auto const unit = record.fixed_point();
+    auto const before = record.at(s - 1), now = record.at(s);
+    auto const grid = after_forces(env);
+    if (Coupling::any && s > 0) {
+      arena_.velocity.copy(grid.velocity, arena_.count);
+      __syncthreads();
+    }
+    Passes const passes{launch_.step, arena_, unit};
+    Met met;
+    auto const all = [&](auto const& f) {
+      std::int64_t const first = launch_.step.first_particle(env);
+      Run{0, launch_.step.live_particles(env)}.each([&](int slot) { f(first + slot); });
+    };
+    if (s == 0)
+      all([&](std::int64_t i) { passes.scatter(i, now, met); });
+    else if (s < clock.substeps)
+      all([&](std::int64_t i) { passes.gather_and_scatter(i, before, now, met); });
+    else
+      all([&](std::int64_t i) { passes.gather(i, before, met); });
+    if (s > 0) record.note(met.now | lost_bodies(BlockTeam{}, control.env), s - 1);
+    record.note(met.next, s);
+    __syncthreads();
+    if (threadIdx.x == 0) record.close_before(control, s);
+    __syncthreads();
+    bool const goes_on = record.moves;
+    if (goes_on)
+      record.note(move_nodes<Move>(grid, Run{0, arena_.count}, now, unit), s);
+    else
+      arena_.clear_sums();
+    __syncthreads();
+    return goes_on;
+  }
   // Bounds of the present state, and with them the substeps of this step.
-  template <class Control> __device__ void begin(Control const& control) {
-    if (threadIdx.x == 0) shared_.open(control.env, launch_.lattice);
+  template <class Control>
+  __device__ void begin(std::int64_t env, Control const& control, Record& record) {
+    if (threadIdx.x == 0) {
+      record.open(control, launch_.step.moves(env), launch_.step.lattice);
+      found_ = {};
+    }
     __syncthreads();
-    shared_.found.include(
-        look_at_particles(launch_, blockIdx.x, Run{0, live_}, Ctx(shared_.context)));
+    if (!record.moves) return;
+    Run const all{0, launch_.step.live_particles(env)};
+    auto const context = record.context;
+    Found mine = look_at_particles(launch_.step, env, all, context);
+    mine.held |= lost_bodies(BlockTeam{}, control.env);
+    found_.include(mine);
     __syncthreads();
-    if (threadIdx.x == 0) shared_.choose(control, launch_);
+    if (threadIdx.x == 0) {
+      record.found = found_;
+      record.choose(control, launch_.step);
+    }
+    __syncthreads();
   }
-  template <class Control> __device__ void close(Control const& control, int s) {
-    if (threadIdx.x == 0) shared_.close(control, s);
+  // Where the velocities of an environment are until its particles gather them; sums are the block's.
+  __device__ Arena<float> after_forces(std::int64_t env) const {
+    if constexpr (Coupling::any)
+      return {{launch_.grids + env * arena_.count}, arena_.sums, arena_.count};
+    else
+      return arena_;
   }
 
-  // All particles to a grid without anything, for substep s.
-  __device__ void scatter(Passes const& passes, Ctx const& context, int s) {
+  // The couplings of substep s; teams take the place of the grid.
+  __device__ void couple_all(int s) {
+    int const threads = static_cast<int>(blockDim.x) / launch_.teams / Warp::size * Warp::size;
+    int const number = static_cast<int>(threadIdx.x) / threads;
+    if (number < launch_.teams)
+      for (std::int64_t env = blockIdx.x + number * static_cast<std::int64_t>(gridDim.x);
+           env < launch_.environments; env += launch_.teams * static_cast<std::int64_t>(gridDim.x))
+        couple(launch_, PartOfBlock(number, threads), env, s,
+               reinterpret_cast<char*>(arena_.velocity.data) + number * launch_.step.fast_bytes);
+    __syncthreads();
     arena_.clear_sums();
     __syncthreads();
-    Met met;
-    Run{0, live_}.each([&](int slot) { passes.scatter(first() + slot, context, met); });
-    if (threadIdx.x == 0) shared_.taken = shared_.waiting = 0;
-    shared_.note(met.next, s);
-  }
-
-  // Coupling and particles of substep s.
-  template <class Function> __device__ void advance(int s, Function const& f) {
-    Met met;
-    auto const one = [&](int slot) { f(first() + slot, met); };
-    if constexpr (Coupling::overlaps) {
-      if (threadIdx.x < team_size)
-        met.now |= couple(launch_, s);
-      else
-        Coupling::Nodes_::meet_others();
-      take_particles(one);
-    } else {
-      if constexpr (Coupling::any) {
-        met.now |= couple(launch_, s);
-        __syncthreads();
-      }
-      Run{0, live_}.each(one);
-    }
-    shared_.note(met.now, s);
-    shared_.note(met.next, s + 1);
   }
   // A function of its own, told little: what its call takes must not crowd the particles' registers.
-  __device__ __noinline__ static std::uint32_t couple(Launch<Scene, float> const& launch, int s) {
-    alignas(16) extern __shared__ char dynamic_shared_memory[];
-    char* const memory = dynamic_shared_memory;
-    auto const arena = Grid::at(memory, static_cast<int>(launch.lattice.count()));
-    auto* const near = reinterpret_cast<unsigned*>(memory + Grid::bytes(arena.count));
-    return Coupling::run(launch, blockIdx.x, arena, near, shared_part(memory, arena.count), s,
-                         Coupling::overlaps, memory + shared_bytes(arena.count));
+  __device__ __noinline__ static void couple(ResidentLaunch<Scene> const& launch,
+                                             PartOfBlock const& team, std::int64_t env, int s,
+                                             char* fast) {
+    Record& record = launch.records[env];
+    if (!record.moves) return;
+    auto const count = launch.step.lattice.count();
+    record.note(Coupling::run(team, launch.step, env, Velocities<float>{launch.grids + env * count},
+                              record.at(s), fast),
+                s);
   }
 
-  // First the particles that see no node of the coupling, in chunks for whoever is free; then those that waited.
-  template <class Function> __device__ __forceinline__ void take_particles(Function const& one) {
-    int* const waiting = launch_.waiting + first();
-#if defined(__CUDACC__)
-#pragma unroll 1
-#endif
-    for (int turn = 0; turn < 2; ++turn) {
-      if (turn == 1) __syncthreads();
-      for (int i = static_cast<int>(threadIdx.x);; i += static_cast<int>(blockDim.x)) {
-        int const slot = turn == 0 ? next_slot(waiting) : i < shared_.waiting ? waiting[i] : none;
-        if (slot == none) break;
-        if (slot != later) one(slot);
-      }
-    }
-    __syncthreads();
-    if (threadIdx.x == 0) shared_.taken = shared_.waiting = 0;
-  }
-  static constexpr int none = -2, later = -1;
-  // Of a warp: the next 32 slots; a particle near the coupling goes to the list of those that wait.
-  __device__ int next_slot(int* waiting) {
-    int const lane = static_cast<int>(threadIdx.x) & 31;
-    int chunk = 0;
-    if (lane == 0) chunk = atomicAdd(&shared_.taken, 1);
-    chunk = __shfl_sync(0xffffffffu, chunk, 0);
-    if (32 * chunk >= live_) return none;
-    int const slot = 32 * chunk + lane;
-    bool const there = slot < live_;
-    bool const waits =
-        there &&
-        near_.has(launch_.particles().view.template get<particle::Position>(first() + slot));
-    unsigned const all = __ballot_sync(0xffffffffu, waits);
-    int first = 0;
-    if (lane == 0 && all != 0) first = atomicAdd(&shared_.waiting, __popc(all));
-    first = __shfl_sync(0xffffffffu, first, 0);
-    if (waits) waiting[first + __popc(all & ((1u << lane) - 1u))] = slot;
-    return there && !waits ? slot : later;
-  }
-
-  Launch<Scene, float> const& launch_;
-  Grid arena_;
-  Near near_;
-  Shared<Scene>& shared_;
-  int live_;
+  ResidentLaunch<Scene> const& launch_;
+  Arena<float> arena_;
+  Found& found_;
 };
 
-// One step of every environment, a block each. 512 threads leave 128 registers: no spills in the loop.
+// One step of every environment. 512 threads leave 128 registers: no spills in the loop.
 template <class Scene, int threads>
 __global__ void __launch_bounds__(threads, 1)
-    step(__grid_constant__ Launch<Scene, float> const launch) {
+    step(__grid_constant__ ResidentLaunch<Scene> const launch) {
   alignas(16) extern __shared__ char dynamic_shared_memory[];
   ResidentBlock<Scene>(launch, dynamic_shared_memory).step();
 }
+
+// The host's side: memory, and the launch.
+template <class Scene, int most_threads> class ResidentSteps {
+  using Record = StepRecord<Scene, float>;
+  static constexpr bool couples = detail::couples<Scene>;
+
+ public:
+  static constexpr int most_teams = 8;
+
+  static std::int64_t shared_bytes(std::int64_t nodes) {
+    return ResidentBlock<Scene>::shared_bytes(nodes);
+  }
+  static std::size_t bytes(std::int64_t environments, std::int64_t nodes) {
+    auto const grids = couples ? environments * nodes : 0;
+    return grids_at(environments) + static_cast<std::size_t>(grids) * sizeof(float4);
+  }
+  ResidentSteps() = default;
+  ResidentSteps(std::int64_t environments, std::int64_t nodes)
+      : environments_(environments),
+        grid_bytes_(shared_bytes(nodes)),
+        memory_(bytes(environments, nodes)) {}
+
+  // With blocks of so many threads on a device with so many multiprocessors, each of which has `limit` bytes of shared
+  // memory to give. Teams get what is left of step.fast_bytes each.
+  void run(Launch<Scene, float> step, int threads, std::int64_t processors, std::int64_t limit,
+           cudaStream_t stream) const {
+    auto const blocks = couples ? std::min(environments_, processors) : environments_;
+    auto const teams = teams_for((environments_ + blocks - 1) / blocks, threads);
+    auto const shared = std::clamp(teams * step.fast_bytes, grid_bytes_, limit);
+    step.fast_bytes = shared / teams / 16 * 16;
+    ResidentLaunch<Scene> const launch{step, environments_, static_cast<int>(teams),
+                                       memory_.as<Record>(),
+                                       memory_.as<float4>(grids_at(environments_))};
+    start(stream, "a step", cuda::step<Scene, most_threads>, blocks, threads,
+          static_cast<std::size_t>(shared), launch);
+  }
+
+ private:
+  static std::size_t grids_at(std::int64_t environments) {
+    return (static_cast<std::size_t>(environments) * sizeof(Record) + 255) / 256 * 256;
+  }
+
+  // As many as can be at work at once, and no more than so many turns need.
+  static std::int64_t teams_for(std::int64_t carried, int threads) {
+    auto const at_once = std::min<std::int64_t>(most_teams, threads / Warp::size);
+    auto const turns = (carried + at_once - 1) / at_once;
+    return (carried + turns - 1) / turns;
+  }
+
+  std::int64_t environments_ = 0, grid_bytes_ = 0;
+  Memory memory_;
+};
 
 }  // namespace mpmpbd::cuda

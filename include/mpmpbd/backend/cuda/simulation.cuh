@@ -76,35 +76,31 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
       "node, which is not looked at on a device yet; take QuadraticBSpline or CubicBSpline");
   using Layout = cuda::Layout<Store>;
   using Tables = cuda::TablesOf<Scene, T>;
-  using Block = cuda::ResidentBlock<Scene>;
   static constexpr int fewest_threads = 128, most_threads = 512;
-  static_assert(fewest_threads >= cuda::team_size);
   // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
   static constexpr bool looks_back = Scene_::Body::Transfer::needs_previous_grid;
   static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
+  using Resident = cuda::ResidentSteps<Scene, most_threads>;
   using Tiled = cuda::TiledSteps<Scene, T, most_threads>;
 
   Cuda where;
   cudaStream_t stream;
-  std::int64_t shared_bytes, shared_limit = 0;
-  bool resident = true;
+  std::int64_t grid_bytes, shared_limit = 0, processors = 0;
+  bool is_resident = true;
   cuda::Memory now, initial, work, mask;
+  Resident resident;
   Tiled tiled;
-  std::size_t work_stride = 0, waiting_at = 0, slots_at = 0;
-  std::int64_t fast_bytes = 0;  // of the coupling, in shared memory
-  int threads = most_threads;   // of a block
+  std::size_t work_stride = 0, slots_at = 0;
+  std::int64_t fast_bytes = 0;  // that help a coupling, in shared memory
 
   Device(Cuda where_, Base const& run)
       : where(where_),
         stream(static_cast<cudaStream_t>(where_.stream)),
-        shared_bytes(Block::shared_bytes(run.lattice().count())) {
-    bool const allowed =
-        where.threads >= fewest_threads && where.threads <= most_threads && where.threads % 32 == 0;
-    if (!allowed && where.threads != 0)
+        grid_bytes(Resident::shared_bytes(run.lattice().count())) {
+    if (where.threads < fewest_threads || where.threads > most_threads || where.threads % 32 != 0)
       throw std::invalid_argument("mpmpbd Cuda: threads = " + std::to_string(where.threads) +
                                   "; give a multiple of 32 from " + std::to_string(fewest_threads) +
-                                  " to " + std::to_string(most_threads) +
-                                  ", or 0 for its own choice");
+                                  " to " + std::to_string(most_threads));
     if (run.options().strict)
       throw std::invalid_argument(
           "mpmpbd Cuda: strict = true; a device finds the stable limit inside the step and sets "
@@ -118,10 +114,11 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     }
     cuda::OnDevice const here(where.device);
     shared_limit = attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
-    resident = where.execution == Cuda::Execution::automatic
-                   ? fits()
-                   : where.execution == Cuda::Execution::resident;
-    if (resident)
+    processors = attribute(cudaDevAttrMultiProcessorCount);
+    is_resident = where.execution == Cuda::Execution::automatic
+                      ? fits()
+                      : where.execution == Cuda::Execution::resident;
+    if (is_resident)
       prepare_resident();
     else
       check_tiled(run);
@@ -133,30 +130,17 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     cuda::require(cudaDeviceGetAttribute(&value, which, where.device), "asking what it has");
     return value;
   }
-  // Environments share a multiprocessor, as many as its registers and its shared memory hold.
-  int threads_for(std::int64_t environments) const {
-    if (where.threads != 0) return where.threads;
-    if (!resident) return most_threads;
-    auto const bytes =
-        shared_bytes + fast_bytes + attribute(cudaDevAttrReservedSharedMemoryPerBlock);
-    auto const hold = attribute(cudaDevAttrMaxSharedMemoryPerMultiprocessor) / bytes;
-    auto const processors = attribute(cudaDevAttrMultiProcessorCount);
-    auto const share = std::min(hold, (environments + processors - 1) / processors);
-    auto const blocks = std::clamp<std::int64_t>(share, 1, most_threads / fewest_threads);
-    return static_cast<int>(most_threads / blocks / 32 * 32);
-  }
-
-  bool fits() const { return may_be_resident && shared_bytes <= shared_limit; }
+  bool fits() const { return may_be_resident && grid_bytes <= shared_limit; }
   std::string execution() const {
     if (looks_back)
       return "tiled: FLIP needs the grid before forces too, which does not fit beside the grid in "
              "shared memory";
     if (!may_be_resident)
       return "tiled: sums of double take 64 bits, which a device adds at once in its own memory only";
-    std::string const takes = "the grid of an environment takes " + std::to_string(shared_bytes) +
+    std::string const takes = "the grid of an environment takes " + std::to_string(grid_bytes) +
                               " bytes of " + std::to_string(shared_limit) +
                               " of shared memory per block";
-    if (resident) return "resident: " + takes;
+    if (is_resident) return "resident: " + takes;
     if (!fits()) return "tiled: " + takes + ", so it lies in the memory of the device";
     return "tiled, as asked for: " + takes;
   }
@@ -186,13 +170,17 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     auto const masks = static_cast<std::size_t>(run.environments());
     auto const nodes = run.lattice().count();
     cuda::require_free(2 * state + masks +
-                       (resident ? 0 : Tiled::bytes(run.environments(), nodes)));
+                       (is_resident ? Resident::bytes(run.environments(), nodes)
+                                    : Tiled::bytes(run.environments(), nodes)));
     now = cuda::Memory(state);
     // It is copied as a whole, with what lies between two planes.
     cuda::require(cudaMemsetAsync(now.as(), 0, state, stream), "clearing the state");
     initial = cuda::Memory(state);
     mask = cuda::Memory(masks);
-    if (!resident) tiled = Tiled(run.environments(), nodes, stream);
+    if (is_resident)
+      resident = Resident(run.environments(), nodes);
+    else
+      tiled = Tiled(run.environments(), nodes, stream);
   }
 
   Tables tables(Store const& store, cuda::Memory const& memory) const {
@@ -249,56 +237,35 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
 
   // Work memory for the present numbers of beads, points and the like: it grows, and never holds history.
   template <class Contexts> void reserve(Base& run, Contexts const& context_of) {
-    std::size_t bytes = 16, fast = 0;
-    for (std::int64_t e = 0; e < run.environments(); ++e) {
-      auto const context = context_of(e);
-      bytes = std::max(bytes, scratch_bytes(run.state(), e, context));
-      fast = std::max(fast, fast_bytes_of(run.state(), e, context));
-    }
-    fast_bytes = std::min(static_cast<std::int64_t>(fast), fast_limit());
-    threads = threads_for(run.environments());
-    bytes = Layout::aligned(bytes);
+    WorkBytes most;
+    for (std::int64_t e = 0; e < run.environments(); ++e)
+      most.include(run.state(), e, context_of(e));
+    fast_bytes = static_cast<std::int64_t>(most.fast);
+    auto const bytes = Layout::aligned(most.scratch);
     if (bytes <= work_stride) return;
     auto const n = static_cast<std::size_t>(run.environments());
     auto const nodes = static_cast<std::size_t>(run.lattice().count());
-    auto const slots =
-        resident ? static_cast<std::size_t>(run.state().template table<Particles>().capacity()) : 0;
     work_stride = bytes;
-    waiting_at = n * bytes;
-    slots_at = waiting_at + n * slots * sizeof(int);
+    slots_at = n * bytes;
     work = cuda::Memory{};
     work = cuda::Memory(slots_at + n * nodes * sizeof(int));
     cuda::require(cudaMemsetAsync(work.as(slots_at), 0xff, n * nodes * sizeof(int), stream),
                   "clearing work memory");
   }
-  // What the grid leaves of the shared memory, and of half a multiprocessor's where its half holds the grid; the tiled form
-  // takes no more than every device gives unasked.
-  std::int64_t fast_limit() const {
-    if (!resident) return std::int64_t{48 << 10};
-    auto const half = attribute(cudaDevAttrMaxSharedMemoryPerMultiprocessor) / 2 -
-                      attribute(cudaDevAttrReservedSharedMemoryPerBlock);
-    return (shared_bytes <= half ? half : shared_limit) - shared_bytes;
-  }
-  template <class Ctx>
-  static std::size_t fast_bytes_of(Store& store, std::int64_t env, Ctx const& context) {
-    std::size_t most = 0;
-    auto const fields = access_environment(store, env, typename Store::Domains{});
-    for_each_type(typename Scene::Substep::Stages{}, [&]<class S>(std::type_identity<S>) {
-      if constexpr (requires { S::fast_bytes(fields, context); })
-        most = std::max(most, S::fast_bytes(fields, context));
-    });
-    return most;
-  }
-  template <class Ctx>
-  static std::size_t scratch_bytes(Store& store, std::int64_t env, Ctx const& context) {
-    std::size_t most = 0;
-    auto const fields = access_environment(store, env, typename Store::Domains{});
-    for_each_type(typename Scene::Substep::Stages{}, [&]<class S>(std::type_identity<S>) {
-      if constexpr (requires { S::scratch_bytes(fields, context); })
-        most = std::max(most, S::scratch_bytes(fields, context));
-    });
-    return most;
-  }
+  // The most that a stage asks for an environment: work memory, and how much of it had better be fast.
+  struct WorkBytes {
+    std::size_t scratch = 16, fast = 0;
+
+    template <class Ctx> void include(Store& store, std::int64_t env, Ctx const& context) {
+      auto const fields = access_environment(store, env, typename Store::Domains{});
+      for_each_type(typename Scene::Substep::Stages{}, [&]<class S>(std::type_identity<S>) {
+        if constexpr (requires { S::scratch_bytes(fields, context); })
+          scratch = std::max(scratch, S::scratch_bytes(fields, context));
+        if constexpr (requires { S::fast_bytes(fields, context); })
+          fast = std::max(fast, S::fast_bytes(fields, context));
+      });
+    }
+  };
 
   void step(Base const& run, double h, unsigned char const* of) const {
     cuda::Launch<Scene, T> const launch{tables(run.state(), now),
@@ -309,14 +276,10 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                         work.as(),
                                         static_cast<std::int64_t>(work_stride),
                                         work.as<int>(slots_at),
-                                        work.as<int>(waiting_at),
                                         fast_bytes};
-    if constexpr (may_be_resident) {
-      if (resident)
-        return cuda::start(stream, "a step", cuda::step<Scene, most_threads>, run.environments(),
-                           threads, static_cast<std::size_t>(shared_bytes + fast_bytes), launch);
-    }
-    tiled.run(launch, threads, stream);
+    if constexpr (may_be_resident)
+      if (is_resident) return resident.run(launch, where.threads, processors, shared_limit, stream);
+    tiled.run(launch, where.threads, stream);
   }
   void reset(Base const& run, unsigned char const* of) const {
     cuda::start(stream, "a reset", cuda::reset<Scene, T>, run.environments(), 256, 0,

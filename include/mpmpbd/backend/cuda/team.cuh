@@ -1,5 +1,4 @@
-// Threads of one CUDA block as a team: all of them, or the first few while the others do something else. Their
-// groups are warps.
+// Threads of one CUDA block as a team: all of them, or several teams side by side. Their groups are warps.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -36,32 +35,54 @@ struct Warp {
 };
 
 namespace detail {
-// Integers in shared or global memory; every thread of a team calls with the same arguments.
-struct ThreadsOfBlock {
+// What threads of a block do as a team that knows its size(), and of the present thread its rank() in it. Counters
+// are integers in shared or global memory.
+template <class Team_> struct ThreadsOfBlock {
+  template <class F> __device__ void each(int n, F const& f) const {
+    for (int i = self().rank(); i < n; i += self().size()) f(i);
+  }
+  template <class F> __device__ void one(F const& f) const {
+    if (self().rank() == 0) f();
+  }
+  // Those that are no whole warp have no share.
+  template <class F> __device__ void groups(int n, F const& f) const {
+    int const warps = self().size() / Warp::size, mine = self().rank() / Warp::size;
+    for (int i = mine; mine < warps && i < n; i += warps) f(Warp{}, i);
+  }
   __device__ int add(int& counter, int amount) const { return atomicAdd(&counter, amount); }
   __device__ bool claim(int& mark, int from, int to) const {
     return atomicCAS(&mark, from, to) == from;
   }
-  template <class F> __device__ void one(F const& f) const {
-    if (threadIdx.x == 0) f();
-  }
-  // Of so many threads; those that are no whole warp have no share.
-  template <class F> __device__ static void groups_of(int threads, int n, F const& f) {
-    int const warps = threads / Warp::size, mine = static_cast<int>(threadIdx.x) / Warp::size;
-    for (int i = mine; mine < warps && i < n; i += warps) f(Warp{}, i);
-  }
+
+ private:
+  __device__ Team_ const& self() const { return static_cast<Team_ const&>(*this); }
 };
 }  // namespace detail
 
-struct BlockTeam : detail::ThreadsOfBlock {
-  template <class F> __device__ void each(int n, F const& f) const {
-    for (int i = static_cast<int>(threadIdx.x); i < n; i += static_cast<int>(blockDim.x)) f(i);
-  }
-  // A block of at least one warp.
-  template <class F> __device__ void groups(int n, F const& f) const {
-    groups_of(static_cast<int>(blockDim.x), n, f);
-  }
+// All threads of a block.
+struct BlockTeam : detail::ThreadsOfBlock<BlockTeam> {
+  __device__ static int rank() { return static_cast<int>(threadIdx.x); }
+  __device__ static int size() { return static_cast<int>(blockDim.x); }
   __device__ void sync() const { __syncthreads(); }
+};
+
+// Some warps of a block that follow one another. Several such teams are at work side by side: each meets at a barrier of
+// its own.
+struct PartOfBlock : detail::ThreadsOfBlock<PartOfBlock> {
+  static constexpr int most = 15;  // a block has 16 barriers, one of them for all of its threads
+
+  // Team `number` of those with so many threads, a multiple of 32; 0 to most - 1.
+  __device__ PartOfBlock(int number, int threads)
+      : first_(number * threads), threads_(threads), barrier_(number + 1) {}
+
+  __device__ int rank() const { return static_cast<int>(threadIdx.x) - first_; }
+  __device__ int size() const { return threads_; }
+  __device__ void sync() const {
+    __barrier_sync_count(static_cast<unsigned>(barrier_), static_cast<unsigned>(threads_));
+  }
+
+ private:
+  int first_, threads_, barrier_;
 };
 
 // A run of numbers that all threads of the block share out.
@@ -71,15 +92,6 @@ struct Run {
     for (int i = first + static_cast<int>(threadIdx.x); i < end; i += static_cast<int>(blockDim.x))
       f(i);
   }
-};
-
-// The first `count` threads, a multiple of 32; they meet at a barrier of their own.
-template <int count> struct FirstThreads : detail::ThreadsOfBlock {
-  template <class F> __device__ void each(int n, F const& f) const {
-    for (int i = static_cast<int>(threadIdx.x); i < n; i += count) f(i);
-  }
-  template <class F> __device__ void groups(int n, F const& f) const { groups_of(count, n, f); }
-  __device__ void sync() const { __barrier_sync_count(1, count); }
 };
 
 }  // namespace mpmpbd

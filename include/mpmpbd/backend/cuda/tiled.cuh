@@ -18,10 +18,7 @@
 namespace mpmpbd::cuda {
 
 // What one launch leaves to the next.
-template <class Scene, class T> struct TiledRecord : StepRecord<Scene, T> {
-  FixedPoint<T> unit;
-  bool moves;  // from open to close
-};
+template <class Scene, class T> struct TiledRecord : StepRecord<Scene, T> { FixedPoint<T> unit; };
 
 template <class Scene, class T> struct TiledLaunch {
   Launch<Scene, T> step;
@@ -93,8 +90,7 @@ __global__ void __launch_bounds__(threads)
   auto const clock = record.clock;
   auto const context = record.context;
   auto const at = [&](int n) { return StepRecord<Scene, T>::at(context, clock, n); };
-  ParticlePasses<Scene, T, Arena<T>> const passes{launch.step, block.arena(), record.unit,
-                                                  block.before()};
+  ParticlePasses<Scene, T> const passes{launch.step, block.arena(), record.unit, block.before()};
   Met met;
   // One particle a thread: a loop would hold in registers what all of its turns need.
   Run const slots = block.particles();
@@ -127,29 +123,36 @@ __global__ void tiled_nodes(__grid_constant__ TiledLaunch<Scene, T> const launch
 // What concerns an environment as a whole, by one block each: its step is opened, its substeps are chosen, what the
 // last substep has met is counted and the coupling of the next carried out.
 template <class Scene, class T> class TiledEnvironment {
-  using Coupling = Couple<Scene, T, Arena<T>>;
+  using Coupling = Couple<Scene, T>;
 
  public:
-  static constexpr int threads = team_size;
-  static constexpr int opens = -2, chooses = -1;  // else: the substep that is coupled
+  static constexpr int threads = 128;
+  static constexpr std::int64_t most_fast_bytes = 48 << 10;  // what every device gives unasked
+  static constexpr int opens = -2, chooses = -1;             // else: the substep that is coupled
 
   __device__ explicit TiledEnvironment(TiledLaunch<Scene, T> const& launch)
       : block_{launch, blockIdx.x, 0} {}
 
   __device__ void run(int s) const {
     auto& record = block_.record();
+    StepControl const control{step().fields(block_.env)};
     bool const moves = record.moves;
+    if (moves && s > 0) record.note(lost_bodies(BlockTeam{}, control.env), s - 1);
     __syncthreads();
     if (threadIdx.x == 0) {
-      StepControl const control{step().fields(block_.env)};
       if (s == opens)
-        open(control, record);
+        record.open(control, step().moves(block_.env), step().lattice);
       else if (moves && s == chooses)
         choose(control, record);
       else if (moves)
-        close_before(control, record, s);
+        record.close_before(control, s);
     }
     __syncthreads();
+    if (s == opens && record.moves) {
+      Findings<T> of_bodies;
+      of_bodies.held = lost_bodies(BlockTeam{}, control.env);
+      record.found.include(of_bodies);
+    }
     if (s >= 0 && record.moves && Coupling::any) couple(record, s);
   }
 
@@ -157,32 +160,16 @@ template <class Scene, class T> class TiledEnvironment {
   using Record = TiledRecord<Scene, T>;
   __device__ Launch<Scene, T> const& step() const { return block_.launch.step; }
 
-  template <class Control> __device__ void open(Control const& control, Record& record) const {
-    record.moves = step().moves(block_.env) && !control.frozen();
-    if (record.moves) record.open(control.env, step().lattice);
-  }
   template <class Control> __device__ void choose(Control const& control, Record& record) const {
     record.choose(control, step());
     record.unit = record.fixed_point();
-    if (record.frozen)
-      finish(control, record, 0);
-    else
-      atomicMax(block_.launch.most_substeps, record.clock.substeps);
-  }
-  template <class Control>
-  __device__ void close_before(Control const& control, Record& record, int s) const {
-    if (s > 0) record.close(control, s - 1);
-    if (record.frozen || s == record.clock.substeps) finish(control, record, s);
-  }
-  template <class Control>
-  __device__ void finish(Control const& control, Record& record, int done) const {
-    control.finish(record.clock, done);
-    record.moves = false;
+    if (record.moves) atomicMax(block_.launch.most_substeps, record.clock.substeps);
   }
   __device__ void couple([[maybe_unused]] Record& record, [[maybe_unused]] int s) const {
     if constexpr (Coupling::any) {
       alignas(16) extern __shared__ char dynamic_shared_memory[];
-      record.note(Coupling::run(step(), block_.env, block_.arena(), nullptr, record, s, false,
+      auto const nodes = block_.arena().velocity;
+      record.note(Coupling::run(BlockTeam{}, step(), block_.env, nodes, record.at(s),
                                 dynamic_shared_memory),
                   s);
     }
@@ -216,7 +203,8 @@ template <class Scene, class T, int most_threads> class TiledSteps {
     fill(0, memory_.bytes(), stream);
   }
 
-  void run(Launch<Scene, T> const& step, int threads, cudaStream_t stream) const {
+  void run(Launch<Scene, T> step, int threads, cudaStream_t stream) const {
+    step.fast_bytes = std::min(step.fast_bytes, Environment::most_fast_bytes);
     TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
                                        memory_.as(grids_at(environments_)), memory_.as<int>()};
     auto const environment = [&](int s) {
