@@ -75,6 +75,7 @@ void measure(SuturingConfig const& c, OnHost const& start, std::int64_t environm
   run.remember();
   run.step_where(c.time.step, nullptr);  // the first launch loads the program
   run.reset();
+  run.wait();
   auto const m = time_of_step(run, c.time.step, 5, environments > 200 ? 4 : 20);
   auto const particle_substeps = static_cast<double>(environments) * c.tissue.point_count() *
                                  static_cast<double>(c.time.substeps);
@@ -99,7 +100,7 @@ int main(int argc, char** argv) {
     else
       counts.push_back(std::atoll(argv[i]));
   }
-  if (counts.empty()) counts = {1, 10, 132, 264, 528, 1056};
+  if (counts.empty()) counts = {1, 10, 132, 264, 528, 1056, 2112, 4224};
   constexpr int steps_to_tissue = 400;
   std::printf(
       "| environments | substeps | density [kg/m^3] | contact | ms per step | ns per particle and substep | status |\n");
