@@ -185,10 +185,13 @@ template <class Scene, int most_threads> class ResidentSteps {
     return grids_at(environments) + static_cast<std::size_t>(grids) * sizeof(float4);
   }
   ResidentSteps() = default;
-  ResidentSteps(std::int64_t environments, std::int64_t nodes)
+  ResidentSteps(std::int64_t environments, std::int64_t nodes, cudaStream_t stream)
       : environments_(environments),
         grid_bytes_(shared_bytes(nodes)),
-        memory_(bytes(environments, nodes)) {}
+        memory_(bytes(environments, nodes)) {
+    // Records are copied as a whole, with what no step has written yet.
+    require(cudaMemsetAsync(memory_.as(), 0, grids_at(environments), stream), "clearing records");
+  }
 
   // With blocks of so many threads on a device with so many multiprocessors, each of which has `limit` bytes of shared
   // memory to give. Teams get what is left of step.fast_bytes each.

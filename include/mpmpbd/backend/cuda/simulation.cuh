@@ -178,7 +178,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     initial = cuda::Memory(state);
     mask = cuda::Memory(masks);
     if (is_resident)
-      resident = Resident(run.environments(), nodes);
+      resident = Resident(run.environments(), nodes, stream);
     else
       tiled = Tiled(run.environments(), nodes, stream);
   }
