@@ -1,5 +1,5 @@
 // Other compositions in the resident form, on an emulated device: tissue alone, a coupling that reads particles, one that
-// keeps the whole block waiting, and a material whose stress is state.
+// works on the grid, and a material whose stress is state.
 #include "catch.hpp"
 #include "cuda/scenes.hpp"
 

@@ -1,5 +1,5 @@
 // Small scenes that go through all forms of a coupling: tissue alone, a material whose stress is state, a coupling that
-// reads particles, one that keeps the whole block waiting.
+// reads particles, one that works on the grid.
 #pragma once
 
 #include <mpmpbd/backend/cuda/simulation.cuh>

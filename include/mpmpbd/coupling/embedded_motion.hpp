@@ -14,52 +14,26 @@ template <class Shape, class Grid, class T> struct TissueVelocity {
   Lattice<T> lattice;
 
   MPMPBD_HD Vec3<T> operator()(Vec3<T> const& x) const {
-    T weight[nodes_per_point<Shape>];
-    int node[nodes_per_point<Shape>];
-    T const all = embedding_weights<Shape>(lattice, x, grid, weight, node) > T(0)
-                      ? T(1)
-                      : plain(x, weight, node);
-    Vec3<T> const v = sum_over_nodes(weight, node);
-    return all > T(0) ? T(1) / all * v : v;
+    Vec3<T> v{};
+    T const mass = for_each_embedding_weight<Shape>(lattice, x, grid, [&](int, int node, T weight) {
+      if (weight != T(0)) v += weight * grid.velocity(node);
+    });
+    return mass > T(0) ? v : averaged(x);
   }
 
  private:
-  // Where the nodes with mass do not carry a linear field: for their mean. Returns the sum of the weights.
-  MPMPBD_INLINE T plain(Vec3<T> const& x, T* weight, int* node) const {
+  // Where the nodes with mass do not carry a linear field: their mean.
+  MPMPBD_HD Vec3<T> averaged(Vec3<T> const& x) const {
     auto const near = detail::neighbourhood<Shape>(lattice, x);
-#if defined(__CUDA_ARCH__)
-#pragma unroll
-#endif
-    for (int a = 0; a < nodes_per_point<Shape>; ++a) weight[a] = T(0), node[a] = 0;
-    T sum = T(0);
-    if (!near.inside) return sum;
-    detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T w, Vec3<T> const&) {
-      weight[a] = grid.mass(i) > T(0) ? w : T(0);
-      node[a] = i;
-      sum += weight[a];
-    });
-    return sum;
-  }
-  // A plane of nodes at a time, so that a device has its velocities on their way together.
-  MPMPBD_INLINE Vec3<T> sum_over_nodes(T const* weight, int const* node) const {
-    constexpr int plane = Shape::width * Shape::width;
     Vec3<T> v{};
-#if defined(__CUDA_ARCH__)
-#pragma unroll
-#endif
-    for (int first = 0; first < nodes_per_point<Shape>; first += plane) {
-      Vec3<T> u[plane];
-#if defined(__CUDA_ARCH__)
-#pragma unroll
-#endif
-      for (int a = 0; a < plane; ++a) u[a] = grid.velocity(node[first + a]);
-#if defined(__CUDA_ARCH__)
-#pragma unroll
-#endif
-      for (int a = 0; a < plane; ++a)
-        if (weight[first + a] != T(0)) v += weight[first + a] * u[a];
-    }
-    return v;
+    T sum = T(0);
+    if (!near.inside) return v;
+    detail::for_each_node<Shape>(lattice, near, [&](int, int i, T w, Vec3<T> const&) {
+      if (!(grid.mass(i) > T(0))) return;
+      v += w * grid.velocity(i);
+      sum += w;
+    });
+    return sum > T(0) ? T(1) / sum * v : v;
   }
 };
 

@@ -96,24 +96,32 @@ MPMPBD_INLINE Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourh
 
 // Weights of a point over the nodes that have mass, corrected so that they sum to one and reproduce
 // linear fields there too: impulse and moment of a point then reach the grid whole, even where the point
-// is near a free surface and some of its nodes are empty.
+// is near a free surface and some of its nodes are empty. Calls use(a, node, weight) for every node.
 //
 // Returns sum w m of the plain weights. It is 0, and the point unusable, when the nodes with mass lie in
 // one plane, or all on one side so that the correction would exceed 8: on a flat surface from 0.47 cells above it,
-// just before Grip::at_all lets go (0.515). Weights and nodes are left alone then.
-template <class Shape, class T, class Nodes>
-MPMPBD_INLINE T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
-                                  T* weight, int* node) {
+// just before Grip::at_all lets go (0.515). Nothing is called then.
+template <class Shape, class T, class Nodes, class Use>
+MPMPBD_INLINE T for_each_embedding_weight(Lattice<T> const& lattice, Vec3<T> const& x,
+                                          Nodes const& nodes, Use const& use) {
   auto const near = detail::neighbourhood<Shape>(lattice, x);
   T plain[nodes_per_point<Shape>];
   auto const s =
       detail::surroundings<Shape>(lattice, near, nodes, [&](int a, T wm) { plain[a] = wm; });
   if (!(s.mass > T(0))) return T(0);
   detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T, Vec3<T> const& d) {
-    weight[a] = plain[a] * ((1 - dot(s.slope, d)) / (s.rest * s.mass));
-    node[a] = i;
+    use(a, i, plain[a] * ((1 - dot(s.slope, d)) / (s.rest * s.mass)));
   });
   return s.mass;
+}
+// The same into arrays of nodes_per_point<Shape>; where the point is unusable they are left alone.
+template <class Shape, class T, class Nodes>
+MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
+                              T* weight, int* node) {
+  return for_each_embedding_weight<Shape>(lattice, x, nodes, [&](int a, int i, T w) {
+    weight[a] = w;
+    node[a] = i;
+  });
 }
 // The same sum alone.
 template <class Shape, class T, class Nodes>

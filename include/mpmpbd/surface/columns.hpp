@@ -111,17 +111,13 @@ template <class T, class Firsts, class Items> struct Columns {
     }
   }
   // From how many items a column has, which stands in the entry after its own, to its first one there.
-  // Entry 0 is not 0 where they do not fit. Entries are read some at a time, so that they are on their way together.
+  // Entry 0 is not 0 where they do not fit.
   MPMPBD_HD void number_items() const {
-    constexpr int some = 16;
-    std::int64_t sum = 0, own[some];
-    for (std::int64_t begin = 0; begin < columns(); begin += some) {
-      int const n = static_cast<int>(min(columns() - begin, std::int64_t{some}));
-      for (int i = 0; i < some; ++i) own[i] = i < n ? first(begin + i + 1) : 0;
-      for (int i = 0; i < n; ++i) {
-        first.set(begin + i + 1, sum);
-        sum += own[i];
-      }
+    std::int64_t sum = 0;
+    for (std::int64_t c = 0; c < columns(); ++c) {
+      std::int64_t const own = first(c + 1);
+      first.set(c + 1, sum);
+      sum += own;
     }
     if (sum > capacity) first.set(0, 1);
   }

@@ -48,7 +48,7 @@ __device__ inline void lower(double& to, double value) {
 }
 }  // namespace detail
 
-// What is found in an environment before it moves. None of it depends on their order.
+// What is found in an environment before it moves. None of it depends on the order of particles.
 template <class T> struct Findings {
   StepBounds<T> bounds;
   T heaviest = T(0), lightest = infinity<T>;  // particle [kg]
