@@ -128,6 +128,34 @@ TEMPLATE_TEST_CASE("a grid that no block holds moves on a device as it does on t
   for (std::int64_t env : {0, 1}) CHECK(device.status(env) == host.status(env));
 }
 
+// Two particles far from the others: their blocks have no tile for so large a box and add to the grid itself. In the other
+// order they keep company with others.
+TEST_CASE("sums by way of a tile and straight to the grid have the same bits", "[cuda][tiled]") {
+  using Run = Simulation<Alone, Cuda, float>;
+  std::int64_t const count = 20 * 12 * 10;
+  auto run = in_large_grid<Run>(), turned_round = in_large_grid<Run>();
+  run.state().set<particle::Position>(0, 5, {{0.97f, 0.98f, 0.9f}});
+  run.state().set<particle::Position>(0, 2000, {{0.9f, 0.3f, 0.97f}});
+  auto const same = [&]<class F>(F) {
+    auto const &a = read(run), &b = read(turned_round);
+    bool all = true;
+    for (std::int64_t p = 0; p < count; ++p)
+      all = all && a.get<F>(0, p) == b.get<F>(0, count - 1 - p);
+    return all;
+  };
+  for (std::int64_t p = 0; p < count; ++p) {
+    auto const q = count - 1 - p;
+    turned_round.state().set<particle::Position>(0, q, read(run).get<particle::Position>(0, p));
+    turned_round.state().set<particle::Velocity>(0, q, read(run).get<particle::Velocity>(0, p));
+  }
+  for (int s = 0; s < 2; ++s) run.step(step), turned_round.step(step);
+  CHECK(run.status(0) == 0);
+  CHECK(same(particle::Position{}));
+  CHECK(same(particle::Velocity{}));
+  CHECK(same(particle::Affine{}));
+  CHECK(same(particle::Deformation{}));
+}
+
 // Sums of 64 bits leave a 2^22nd of the roundings. A gradient by slopes weighs those of a stencil's outermost nodes by
 // slope / weight = 3 / f = 12 times as much with cubic splines at a quarter of a cell, where these particles lie; in float
 // such nodes hold less than a count.

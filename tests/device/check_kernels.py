@@ -8,13 +8,15 @@ NODES: those of a stencil, 27 for quadratic splines. Fails when
   - anything adds floating-point numbers atomically: its order would show in the bits
   - in the kernel of a form of execution, the fused pass and the last gather do not load a node's velocity and mass at
     once, or the passes that scatter do not add four integers per node: then grid or loop has lost its place in shared
-    memory (resident), in the memory of the device (tiled), or in registers
+    memory (resident), in the memory of the device (tiled, whose sums go there by way of shared memory or straight), or in
+    registers
 """
 import re
 import sys
 
 FLOAT_ATOMIC = re.compile(r"^\s*(?:@!?%p\d+\s+)?((?:atom|red)\.\S*\.(?:f16|f32|f64|bf16)\S*)", re.M)
-FORMS = {"step": "shared", "tiled_particles": "global"}  # kernel that moves particles: where its grid lies
+# Kernels that move particles: where the grid lies, and where its sums are added up.
+FORMS = {"step": ("shared", ["shared"]), "tiled_particles": ("global", ["shared", "global"])}
 ADD = r"\b(?:atom|red)\.{}\.add\.(?:u32|s32)"
 QUAD = r"\bld\.{}\.v4\.(?:f32|b32|u32)"
 KERNEL = re.compile(r"^\.visible \.entry (\w+)\((.*?)^\}", re.M | re.S)
@@ -35,16 +37,15 @@ def complaints(text, nodes):
     for atomic in FLOAT_ATOMIC.findall(text):
         yield f"an atomic floating-point operation: {atomic}"
     passes = 2
-    for kernel, memory in FORMS.items():
+    for kernel, (grid, sums) in FORMS.items():
         bodies = [body for name, body in kernels.items() if f"{len(kernel)}{kernel}I" in name]
         if not bodies:
             yield f"there is no kernel {kernel}"
+        wanted = [(f"additions of integers in {memory} memory", ADD.format(memory), passes * 4 * nodes) for memory in sums]
+        wanted.append((f"loads of four numbers from {grid} memory", QUAD.format(grid), passes * nodes))
         for body in bodies:
-            for what, pattern, least in (
-                (f"additions of integers in {memory} memory", ADD, passes * 4 * nodes),
-                (f"loads of four numbers from {memory} memory", QUAD, passes * nodes),
-            ):
-                found = len(re.findall(pattern.format(memory), body))
+            for what, pattern, least in wanted:
+                found = len(re.findall(pattern, body))
                 print(f"{kernel}: {what}: {found}, at least {least}")
                 if found < least:
                     yield f"{kernel}: {found} {what}; {least} expected"

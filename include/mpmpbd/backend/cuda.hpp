@@ -21,8 +21,9 @@ struct Cuda {
 
   int device = 0;
   void* stream = nullptr;  // a cudaStream_t of that device; null: its default stream
-  int threads = 512;       // of a block: 128 to 512, a multiple of 32. Bits do not depend on it
-  Execution execution = Execution::automatic;  // nor on this
+  // Of a block: 128 to 512, a multiple of 32; tiled takes 256 at most. Bits depend neither on this nor on the form.
+  int threads = 512;
+  Execution execution = Execution::automatic;
 };
 
 namespace cuda {

@@ -4,6 +4,7 @@
 #include <mpmpbd/backend/cuda/arena.cuh>
 #include <mpmpbd/backend/cuda/launch.cuh>
 #include <mpmpbd/backend/cuda/previous_grid.cuh>
+#include <mpmpbd/backend/cuda/tile.cuh>
 #include <mpmpbd/backend/cuda/together.cuh>
 
 namespace mpmpbd::cuda {
@@ -47,19 +48,28 @@ template <class Scene, class T> struct ParticlePasses {
   FixedPoint<T> unit;
   Arena<T> before{};  // where the transfer needs the previous grid
 
-  __device__ __forceinline__ void scatter(std::int64_t index, Ctx const& next, Met& met) const {
-    visit<Single<P2G>>(index, [&](auto& p) { met.next |= P2G::run(p, sums(), next); });
+  // `to`: which way the sums go, and whether this thread has a particle.
+  template <class To = ToGrid>
+  __device__ __forceinline__ void scatter(std::int64_t index, Ctx const& next, Met& met,
+                                          To const& to = {}) const {
+    visit<Single<P2G>>(
+        index, to.has_particle, [](auto&) {}, [&](auto& p) { add(p, next, met, to); });
   }
   __device__ __forceinline__ void gather(std::int64_t index, Ctx const& now, Met& met) const {
-    visit<Single<G2P>>(index, [&](auto& p) { met.now |= G2P::run(p, velocities(), now); });
+    visit<Single<G2P>>(
+        index, true, [&](auto& p) { met.now |= G2P::run(p, velocities(), now); }, [](auto&) {});
   }
+  template <class To = ToGrid>
   __device__ __forceinline__ void gather_and_scatter(std::int64_t index, Ctx const& now,
-                                                     Ctx const& next, Met& met) const {
-    visit<Fused<G2P, P2G, brief>>(index, [&](auto& p) {
-      met.now |= G2P::run(p, velocities(), now);
-      keep_apart(p);
-      met.next |= P2G::run(p, sums(), next);
-    });
+                                                     Ctx const& next, Met& met,
+                                                     To const& to = {}) const {
+    visit<Fused<G2P, P2G, brief>>(
+        index, to.has_particle,
+        [&](auto& p) {
+          met.now |= G2P::run(p, velocities(), now);
+          keep_apart(p);
+        },
+        [&](auto& p) { add(p, next, met, to); });
   }
 
  private:
@@ -77,6 +87,10 @@ template <class Scene, class T> struct ParticlePasses {
       return VelocitiesOfBoth<T>{{arena, launch.lattice}, before};
     else
       return VelocitiesOfArena<T>{arena, launch.lattice};
+  }
+  template <class P, class To>
+  __device__ __forceinline__ void add(P& p, Ctx const& next, Met& met, To const& to) const {
+    to(p, sums(), [&](auto const& where) { met.next |= P2G::run(p, where, next); });
   }
   // What a stage leaves in registers is rounded as in memory: no product of one stage is fused with a sum of the next,
   // and passes apart give the same bits.
@@ -96,13 +110,18 @@ template <class Scene, class T> struct ParticlePasses {
       asm volatile("" : "+d"(v));
 #endif
   }
-  template <class Pass, class Function>
-  __device__ __forceinline__ void visit(std::int64_t index, Function const& f) const {
+  // Moves a particle, if there is one, and adds it; threads without one go along.
+  template <class Pass, class Move, class Add>
+  __device__ __forceinline__ void visit(std::int64_t index, bool has_particle, Move const& move,
+                                        Add const& add) const {
     auto const& view = launch.particles().view;
-    Local<T, typename Pass::Used> p;
-    p.load(view, index, typename Pass::Loads{});
-    f(p);
-    p.store(view, index, typename Pass::Keeps{});
+    Local<T, typename Pass::Used> p{};  // threads without a particle hold rubbish otherwise
+    if (has_particle) {
+      p.load(view, index, typename Pass::Loads{});
+      move(p);
+    }
+    add(p);
+    if (has_particle) p.store(view, index, typename Pass::Keeps{});
   }
 };
 

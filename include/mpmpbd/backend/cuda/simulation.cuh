@@ -81,7 +81,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   static constexpr bool looks_back = Scene_::Body::Transfer::needs_previous_grid;
   static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
   using Resident = cuda::ResidentSteps<Scene, most_threads>;
-  using Tiled = cuda::TiledSteps<Scene, T, most_threads>;
+  using Tiled = cuda::TiledSteps<Scene, T>;
 
   Cuda where;
   cudaStream_t stream;

@@ -5,7 +5,7 @@
 //
 //   open    look    choose    scatter    n x ( nodes    environment    particles )    close
 //
-// particles: gather and scatter at once, in the last substep gather alone. An environment that does not move, is lost or
+// particles: gather and scatter at once, by way of a tile (tile.cuh); in the last substep gather alone. An environment that does not move, is lost or
 // is done skips the rest. Sums, stages and the bookkeeping of a step are those of the resident form, so bits are too.
 //
 // Limits: where environments choose their substeps, how many launches there are is read back once per step.
@@ -81,30 +81,55 @@ __global__ void tiled_look(__grid_constant__ TiledLaunch<Scene, T> const launch,
   if (threadIdx.x == 0) block.record().found.include(found);
 }
 
+// The particles of a block: one a thread, since a loop would hold in registers what all of its turns need.
+template <class Scene, class T> class TiledParticles {
+  using Body = typename Scene::Body;
+  using Passes = ParticlePasses<Scene, T>;
+  static constexpr bool by_tile = std::is_same_v<T, float> && !Body::Transfer::needs_previous_grid;
+  using To = std::conditional_t<by_tile, ToTile<typename Body::Shape>, ToGrid>;
+
+ public:
+  static constexpr std::size_t shared_bytes = by_tile ? ToTile<typename Body::Shape>::bytes : 0;
+
+  __device__ static void run(TiledBlock<Scene, T> const& block, int s) {
+    auto& record = block.record();
+    auto const clock = record.clock;
+    auto const context = record.context;
+    auto const at = [&](int n) { return StepRecord<Scene, T>::at(context, clock, n); };
+    Passes const passes{block.launch.step, block.arena(), record.unit, block.before()};
+    Run const slots = block.particles();
+    int const slot = slots.first + static_cast<int>(threadIdx.x);
+    bool const has_particle = slot < slots.end;
+    std::int64_t const index = block.launch.step.first_particle(block.env) + slot;
+    Met met;
+    if (s < 0)
+      passes.scatter(index, at(0), met, to(has_particle));
+    else if (s + 1 < clock.substeps)
+      passes.gather_and_scatter(index, at(s), at(s + 1), met, to(has_particle));
+    else if (has_particle)
+      passes.gather(index, at(s), met);
+    record.note(met.now, s);
+    record.note(met.next, s + 1);
+  }
+
+ private:
+  __device__ static To to(bool has_particle) {
+    if constexpr (by_tile) {
+      alignas(16) extern __shared__ char dynamic_shared_memory[];
+      return To(dynamic_shared_memory, has_particle);
+    } else {
+      return To{has_particle};
+    }
+  }
+};
+
+// Two blocks or more of a multiprocessor: one adds to its tile while another meets at a barrier.
 template <class Scene, class T, int threads>
-__global__ void __launch_bounds__(threads)
+__global__ void __launch_bounds__(threads, 512 / threads)
     tiled_particles(__grid_constant__ TiledLaunch<Scene, T> const launch, int parts, int s) {
   auto const block = TiledBlock<Scene, T>::of(launch, parts);
-  if (!block.has(s)) return;
-  auto& record = block.record();
-  auto const clock = record.clock;
-  auto const context = record.context;
-  auto const at = [&](int n) { return StepRecord<Scene, T>::at(context, clock, n); };
-  ParticlePasses<Scene, T> const passes{launch.step, block.arena(), record.unit, block.before()};
-  Met met;
-  // One particle a thread: a loop would hold in registers what all of its turns need.
   Run const slots = block.particles();
-  int const slot = slots.first + static_cast<int>(threadIdx.x);
-  if (slot >= slots.end) return;
-  std::int64_t const index = launch.step.first_particle(block.env) + slot;
-  if (s < 0)
-    passes.scatter(index, at(0), met);
-  else if (s + 1 < clock.substeps)
-    passes.gather_and_scatter(index, at(s), at(s + 1), met);
-  else
-    passes.gather(index, at(s), met);
-  record.note(met.now, s);
-  record.note(met.next, s + 1);
+  if (block.has(s) && slots.first < slots.end) TiledParticles<Scene, T>::run(block, s);
 }
 
 template <class Scene, class T>
@@ -185,11 +210,12 @@ __global__ void __launch_bounds__(TiledEnvironment<Scene, T>::threads)
 }
 
 // The host's side: memory, and the row of launches.
-template <class Scene, class T, int most_threads> class TiledSteps {
+template <class Scene, class T> class TiledSteps {
   using Environment = TiledEnvironment<Scene, T>;
   using Record = TiledRecord<Scene, T>;
 
  public:
+  static constexpr int most_threads = 256;  // of a block: a tenth faster than 512
   // Indices of nodes and their four sums are 32-bit integers.
   static constexpr std::int64_t most_nodes = std::int64_t{1} << 29;
 
@@ -204,6 +230,7 @@ template <class Scene, class T, int most_threads> class TiledSteps {
   }
 
   void run(Launch<Scene, T> step, int threads, cudaStream_t stream) const {
+    threads = std::min(threads, most_threads);
     step.fast_bytes = std::min(step.fast_bytes, Environment::most_fast_bytes);
     TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
                                        memory_.as(grids_at(environments_)), memory_.as<int>()};
@@ -218,7 +245,7 @@ template <class Scene, class T, int most_threads> class TiledSteps {
     int const nodes = parts_of(step.lattice.count());
     auto const move = [&](int s) {
       start(stream, "a step", tiled_particles<Scene, T, most_threads>, environments_ * particles,
-            threads, 0, launch, particles, s);
+            threads, TiledParticles<Scene, T>::shared_bytes, launch, particles, s);
     };
     environment(Environment::opens);
     start(stream, "a step", tiled_look<Scene, T>, environments_ * particles, threads,
