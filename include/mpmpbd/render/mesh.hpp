@@ -78,7 +78,7 @@ inline Mesh box_surface(Vec3<float> const& low, Vec3<float> const& high, Vec3<in
           at[v] = j;
           grid.push_back(vertex(at));
         }
-      append_grid(mesh, grid, cells[u] + 1);
+      append_grid(mesh, {grid.data(), grid.size()}, cells[u] + 1);
     }
   mesh.material = mesh.positions;
   mesh.closed = true;
