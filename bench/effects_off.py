@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
-"""What each effect adds to a step on a device, and that what is not named adds nothing. No GPU is needed.
+"""What each effect adds to a step on a device, and that what is not named adds nothing. A GPU is needed for times alone.
 
-Usage: bench/effects_off.py [--arch 90] [--nvcc nvcc] [--cuobjdump cuobjdump] [--out docs/results]
+Usage: bench/effects_off.py [--time] [--arch 90] [--nvcc nvcc] [--cuobjdump cuobjdump] [--out docs/results]
 
 Compiles the resident step of scenes that differ by one effect and reads its machine code: registers, words on the stack,
 and of the fused loop (one particle, one substep) instructions, bytes of global memory and additions in shared memory.
 Every scene is compiled twice, with its own headers and with every header of the library: the machine code has to be
-the same, so that an effect that is not named is one that the scene has never known. Writes effects_off.md and .csv;
-ends with 1 where the two differ.
+the same, so that an effect that is not named is one that the scene has never known. With --time, it is run as well
+(step_of_scene.hpp). Writes effects_off.md and .csv; ends with 1 where the two differ.
 """
 import argparse
+import concurrent.futures
 import csv
+import os
 import pathlib
 import re
 import subprocess
@@ -29,21 +31,63 @@ FULL = "Tissue, Thread, ArcNeedle, Surface, Coupling<Embedded, Friction, Drag>, 
 OF_TISSUE = ["mpm/materials/neo_hookean.hpp", "scene/scene.hpp"]
 OF_THREAD = OF_TISSUE + ["pbd/body.hpp", "coupling/embedded.hpp"]
 OF_SUTURE = OF_THREAD + ["effects/gravity.hpp", "effects/air.hpp", "effects/walls.hpp"]
-# name, declarations, parts of the scene, headers
+# What is set for a time to be taken.
+SET_TISSUE = {"NeoHookean": "lame(5e5, 0.4)"}
+SET_THREAD = SET_TISSUE | {"Embedded": "{0.006}"}
+SET_FRICTION = SET_THREAD | {"Friction": "{0.2, 100.0}", "Drag": "{5.0}"}
+SET_GRAVITY = {"Gravity": "{{0.0, 0.0, -9.81}}"}
+SET_VISCOSITY = {"Viscosity": "{500.0}"}
+SET_FULL = SET_FRICTION | SET_GRAVITY | {
+    "Air": "{5.0}",
+    "Wall<Sticky, 2, Side::low>": "{0.3}",
+    "ArcNeedle": "{0.32, 3.14, 0.02, 0.06, 6250.0, 2080.0}",
+}
+# name, declarations, parts of the scene, headers, parameters
 SCENES = [
-    ("tissue", TISSUE, "Tissue", OF_TISSUE),
-    ("tissue, Gravity", TISSUE, "Tissue, Gravity", OF_TISSUE + ["effects/gravity.hpp"]),
-    ("tissue, Damping", TISSUE, "Tissue, Damping", OF_TISSUE + ["effects/damping.hpp"]),
-    ("tissue, Viscosity", TISSUE, "Tissue, Viscosity", OF_TISSUE + ["effects/viscosity.hpp"]),
-    ("tissue, Prony<2>", TISSUE, "Tissue, Prony<2>", OF_TISSUE + ["effects/prony.hpp"]),
-    ("tissue, Walls<Slip>", TISSUE, "Tissue, Walls<Slip>", OF_TISSUE + ["effects/walls.hpp"]),
-    ("tissue, StretchLimit", TISSUE, "Tissue, StretchLimit", OF_TISSUE + ["effects/stretch_limit.hpp"]),
-    ("tissue, thread", THREAD, "Tissue, Thread, Coupling<Embedded>", OF_THREAD),
-    ("tissue, thread, Friction, Drag", THREAD, "Tissue, Thread, Coupling<Embedded, Friction, Drag>", OF_THREAD),
-    ("suturing without Viscosity", SUTURE, FULL.format(""), OF_SUTURE),
-    ("suturing", SUTURE, FULL.format("Viscosity, "), OF_SUTURE + ["effects/viscosity.hpp"]),
+    ("tissue", TISSUE, "Tissue", OF_TISSUE, SET_TISSUE),
+    ("tissue, Gravity", TISSUE, "Tissue, Gravity", OF_TISSUE + ["effects/gravity.hpp"], SET_TISSUE | SET_GRAVITY),
+    ("tissue, Damping", TISSUE, "Tissue, Damping", OF_TISSUE + ["effects/damping.hpp"], SET_TISSUE | {"Damping": "{2.0}"}),
+    ("tissue, Viscosity", TISSUE, "Tissue, Viscosity", OF_TISSUE + ["effects/viscosity.hpp"], SET_TISSUE | SET_VISCOSITY),
+    (
+        "tissue, Prony<2>",
+        TISSUE,
+        "Tissue, Prony<2>",
+        OF_TISSUE + ["effects/prony.hpp"],
+        SET_TISSUE | {"Prony<2>": "{{0.2, 0.1}, {0.01, 0.1}}"},
+    ),
+    (
+        "tissue, Walls<Slip>",
+        TISSUE,
+        "Tissue, Walls<Slip>",
+        OF_TISSUE + ["effects/walls.hpp"],
+        SET_TISSUE | {"Walls<Slip>": "{{0.2, 0.2, 0.2}, {2.4, 1.4, 1.4}}"},
+    ),
+    (
+        "tissue, StretchLimit",
+        TISSUE,
+        "Tissue, StretchLimit",
+        OF_TISSUE + ["effects/stretch_limit.hpp"],
+        SET_TISSUE | {"StretchLimit": "{1.9}"},
+    ),
+    ("tissue, thread", THREAD, "Tissue, Thread, Coupling<Embedded>", OF_THREAD, SET_THREAD),
+    (
+        "tissue, thread, Friction, Drag",
+        THREAD,
+        "Tissue, Thread, Coupling<Embedded, Friction, Drag>",
+        OF_THREAD,
+        SET_FRICTION,
+    ),
+    ("suturing without Viscosity", SUTURE, FULL.format(""), OF_SUTURE, SET_FULL),
+    (
+        "suturing",
+        SUTURE,
+        FULL.format("Viscosity, "),
+        OF_SUTURE + ["effects/viscosity.hpp"],
+        SET_FULL | SET_VISCOSITY,
+    ),
 ]
 COLUMNS = ["scene", "registers", "stack [B]", "instructions", "read [B]", "written [B]", "additions", "same with all headers"]
+TIME = ["time [ns]"]
 
 
 def every_header():
@@ -53,25 +97,44 @@ def every_header():
     return sorted(str(path.relative_to(include)) for folder in folders for path in (include / folder).rglob("*.hpp"))
 
 
-def listing(options, folder, declarations, parts, headers):
-    """The machine code and the use of resources of the scene's step."""
-    source, binary = folder / "scene.cu", folder / "scene.cubin"
-    includes = ["backend/cuda/simulation.cuh"] + headers
-    source.write_text(
-        "".join(f"#include <mpmpbd/{header}>\n" for header in includes)
+def source_of(declarations, parts, headers):
+    return (
+        "".join(f"#include <mpmpbd/{header}>\n" for header in ["backend/cuda/simulation.cuh"] + headers)
         + f"namespace mpmpbd::measured {{ {declarations} struct Measured : Scene<{parts}> {{}}; }}\n"
-        + "template class mpmpbd::Simulation<mpmpbd::measured::Measured, mpmpbd::Cuda, float>;\n"
     )
+
+
+def compile_scene(options, source, text, *how):
+    source.write_text(text, encoding="utf-8")
     subprocess.run(
-        [options.nvcc, "-std=c++20", "-O3", f"-arch=sm_{options.arch}", "-cubin", f"-I{ROOT / 'include'}"]
+        [options.nvcc, "-std=c++20", "-O3", f"-arch=sm_{options.arch}", f"-I{ROOT / 'include'}", f"-I{ROOT / 'bench'}"]
         + [f"-I{folder}" for folder in options.include]
-        + [str(source), "-o", str(binary)],
+        + [*how, str(source)],
         check=True,
     )
+
+
+def listing(options, folder, declarations, parts, headers):
+    """The machine code and the use of resources of the scene's step."""
+    binary = folder / "scene.cubin"
+    text = source_of(declarations, parts, headers)
+    text += "template class mpmpbd::Simulation<mpmpbd::measured::Measured, mpmpbd::Cuda, float>;\n"
+    compile_scene(options, folder / "scene.cu", text, "-cubin", "-o", str(binary))
     read = lambda what: subprocess.run(
         [options.cuobjdump, what, str(binary)], check=True, capture_output=True, text=True
     ).stdout
     return read("-sass"), read("-res-usage")
+
+
+def program(options, folder, declarations, parts, headers, parameters):
+    """A program that prints what a step of the scene takes."""
+    path = folder / "time"
+    text = "#include \"step_of_scene.hpp\"\n" + source_of(declarations, parts, headers)
+    text += "int main(int argc, char** argv) {\n  using namespace mpmpbd;\n"
+    text += "  return measured::print_step_time<measured::Measured>(argc, argv, [](auto& run) {\n"
+    text += "".join(f"    run.template set<{name}>(0, {value});\n" for name, value in parameters.items())
+    compile_scene(options, folder / "time.cu", text + "  });\n}\n", "-o", str(path))
+    return path
 
 
 def resources(text):
@@ -87,11 +150,10 @@ def width(instruction):
     return int(next(filter(None, bits.groups()))) // 8 if bits else 4
 
 
-def measure(options, folder, name, declarations, parts, headers):
-    code, use = listing(options, folder, declarations, parts, headers)
-    with_all, _ = listing(options, folder, declarations, parts, every_header())
+def row_of(name, own, with_all):
+    code, use = own
     (_, step), = kernels(code)
-    (_, again), = kernels(with_all)
+    (_, again), = kernels(with_all[0])
     first, end = particle_loop(step, 27)
     loop = [what for _, what, _ in step[first:end]]
     moved = lambda prefix: sum(width(what) for what in loop if what.startswith(prefix))
@@ -100,17 +162,50 @@ def measure(options, folder, name, declarations, parts, headers):
     return [name, registers, stack, end - first, moved("LDG"), moved("STG"), additions, "yes" if step == again else "NO"]
 
 
+def time_of(path):
+    mean, deviation = subprocess.run([str(path)], check=True, capture_output=True, text=True).stdout.split()
+    return f"{float(mean):.3f} +- {float(deviation):.3f}"
+
+
+def measure(options, scenes, folder):
+    """A row per scene. Compiled side by side; times one after the other."""
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+
+        def start(job, *arguments):
+            place = pathlib.Path(tempfile.mkdtemp(dir=folder))
+            return pool.submit(job, options, place, *arguments)
+
+        started = []
+        for name, declarations, parts, headers, parameters in scenes:
+            listings = [start(listing, declarations, parts, which) for which in (headers, every_header())]
+            timed = [start(program, declarations, parts, headers, parameters)] if options.time else []
+            started.append((name, listings, timed))
+        rows = [row_of(name, *(one.result() for one in listings)) for name, listings, _ in started]
+        programs = [[one.result() for one in timed] for _, _, timed in started]
+    for row, paths in zip(rows, programs):
+        row += [time_of(path) for path in paths]
+        print(*row, sep="\t", flush=True)
+    return rows
+
+
+def device():
+    query = ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"]
+    return subprocess.run(query, check=True, capture_output=True, text=True).stdout.split("\n")[0].replace(", ", ", driver ")
+
+
 def write(options, rows):
     out = pathlib.Path(options.out)
+    columns = COLUMNS + (TIME if options.time else [])
     with open(out / "effects_off.csv", "w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS] + rows)
+        csv.writer(file, lineterminator="\n").writerows([columns] + rows)
     commit = subprocess.run(
         ["git", "-C", str(ROOT), "describe", "--always", "--dirty"], check=True, capture_output=True, text=True
     ).stdout.strip()
     compiler = re.search(r"V([\d.]+)", subprocess.run([options.nvcc, "--version"], capture_output=True, text=True).stdout)
-    table = ["| " + " | ".join(map(str, row)) + " |" for row in [COLUMNS, ["---"] * len(COLUMNS)] + rows]
+    table = ["| " + " | ".join(map(str, row)) + " |" for row in [columns, ["---"] * len(columns)] + rows]
     text = (ROOT / "bench" / "effects_off_head.md").read_text(encoding="utf-8")
-    text = text.format(arch=options.arch, compiler=compiler[1], commit=commit)
+    times = f"Times: on an {device()}." if options.time else "Times were not taken."
+    text = text.format(arch=options.arch, compiler=compiler[1], commit=commit, times=times)
     (out / "effects_off.md").write_text(text + "\n".join(table) + "\n", encoding="utf-8")
 
 
@@ -122,17 +217,15 @@ def main():
     parser.add_argument("--include", action="append", default=["/usr/include/eigen3"])
     parser.add_argument("--out", default=str(ROOT / "docs" / "results"))
     parser.add_argument("--only", help="scenes whose name begins so")
+    parser.add_argument("--time", action="store_true", help="take times too, on this machine's GPU")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="compilers at work at once")
     options = parser.parse_args()
-    rows = []
+    scenes = [scene for scene in SCENES if not options.only or scene[0].startswith(options.only)]
     with tempfile.TemporaryDirectory() as folder:
-        for scene in SCENES:
-            if options.only and not scene[0].startswith(options.only):
-                continue
-            rows.append(measure(options, pathlib.Path(folder), *scene))
-            print(*rows[-1], sep="\t", flush=True)
+        rows = measure(options, scenes, folder)
     if not options.only:
         write(options, rows)
-    return 1 if any(row[-1] != "yes" for row in rows) else 0
+    return 1 if any(row[7] != "yes" for row in rows) else 0
 
 
 if __name__ == "__main__":
