@@ -1,5 +1,5 @@
 // What a step of a scene costs on a CUDA device: a block of tissue of 19,866 particles in every environment, as in
-// tests/device/resident.cu, and a thread of 20 beads drawn through it where the scene has threads. Needle and surface of a scene
+// tests/device/forms/resident.cu, and a thread of 20 beads drawn through it where the scene has threads. Needle and surface of a scene
 // that knows them are not there.
 #pragma once
 

@@ -96,8 +96,12 @@ if [[ $sanitizer == asan-ubsan && $tiers != unit ]]; then
 fi
 step "configure $preset" cmake --preset "$preset" -B "$build" "${options[@]}"
 
-# Our .cu sources that a build compiles; those of the consumers in tests/package are their own.
-cuda_sources() { find src tests/device tests/support bench examples -name '*.cu' 2>/dev/null; }
+# Our .cu sources that this build compiles; those of the consumers in tests/package are their own.
+cuda_sources() {
+  local without=(-path tests/device/forms -prune -o)
+  ! grep -q '^MPMPBD_DEVICE_FORMS:BOOL=ON' "$build/CMakeCache.txt" || without=()
+  find src tests/device tests/support bench examples "${without[@]}" -name '*.cu' -print 2>/dev/null
+}
 build_target() { cmake --build "$build" -j "$jobs" --target "$@"; }
 
 compiled_with=$(sed -n 's/^MPMPBD_CUDA_COMPILED_WITH:INTERNAL=//p' "$build/CMakeCache.txt")

@@ -187,6 +187,8 @@ template <class... Parts> struct Scene {
       "mpmpbd Scene<...>: an effect reads the affine velocity C, which PIC and FLIP do not carry; take "
       "Apic or Tpic, or leave the effect out");
 
+  // The scene as its stages know it: one type for it and for all that derive from it and store more.
+  using Stepped = Scene;
   using Policies = join_t<typename detail::LeavesOf<Parts>::type...>;
   using Physics = Policies;  // those whose numbers a step needs, also where a task stores more
   using Mpm = detail::MpmStages<Body, Effects>;

@@ -1,7 +1,10 @@
 // The suturing task with observations of state, compiled for CUDA devices: what has settings is compiled with the program.
+// Its steps are those of the suturing scene (suturing.cu).
 #include <mpmpbd/rl/cuda/episodes.cuh>
 #include <mpmpbd/rl/suturing/parts.hpp>
 
 using Task = mpmpbd::rl::SeenByState<mpmpbd::rl::SuturingParts>;
+extern template class mpmpbd::cuda::ResidentSteps<Task::Scene::Stepped, 512>;
+extern template class mpmpbd::cuda::TiledSteps<Task::Scene::Stepped, float>;
 template class mpmpbd::Simulation<Task::Scene, mpmpbd::Cuda, float>;
 template class mpmpbd::rl::EpisodesOnDevice<Task, float>;

@@ -193,20 +193,13 @@ template <class Scene, int most_threads> class ResidentSteps {
     require(cudaMemsetAsync(memory_.as(), 0, grids_at(environments), stream), "clearing records");
   }
 
+  // Lets blocks have so much shared memory on the present device.
+  static void reserve(std::int64_t bytes);
+
   // With blocks of so many threads on a device with so many multiprocessors, each of which has `limit` bytes of shared
   // memory to give. Teams get what is left of step.fast_bytes each.
   void run(Launch<Scene, float> step, int threads, std::int64_t processors, std::int64_t limit,
-           cudaStream_t stream) const {
-    auto const blocks = couples ? std::min(environments_, processors) : environments_;
-    auto const teams = teams_for((environments_ + blocks - 1) / blocks, threads);
-    auto const shared = std::clamp(teams * step.fast_bytes, grid_bytes_, limit);
-    step.fast_bytes = shared / teams / 16 * 16;
-    ResidentLaunch<Scene> const launch{step, environments_, static_cast<int>(teams),
-                                       memory_.as<Record>(),
-                                       memory_.as<float4>(grids_at(environments_))};
-    start(stream, "a step", cuda::step<Scene, most_threads>, blocks, threads,
-          static_cast<std::size_t>(shared), launch);
-  }
+           cudaStream_t stream) const;
 
  private:
   static std::size_t grids_at(std::int64_t environments) {
@@ -223,5 +216,28 @@ template <class Scene, int most_threads> class ResidentSteps {
   std::int64_t environments_ = 0, grid_bytes_ = 0;
   Memory memory_;
 };
+
+// Not inline, so that `extern template` keeps the kernel to one source.
+template <class Scene, int most_threads>
+void ResidentSteps<Scene, most_threads>::reserve(std::int64_t bytes) {
+  require(
+      cudaFuncSetAttribute(cuda::step<Scene, most_threads>,
+                           cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
+      "reserving shared memory for a program of this architecture");
+}
+template <class Scene, int most_threads>
+void ResidentSteps<Scene, most_threads>::run(Launch<Scene, float> step, int threads,
+                                             std::int64_t processors, std::int64_t limit,
+                                             cudaStream_t stream) const {
+  auto const blocks = couples ? std::min(environments_, processors) : environments_;
+  auto const teams = teams_for((environments_ + blocks - 1) / blocks, threads);
+  auto const shared = std::clamp(teams * step.fast_bytes, grid_bytes_, limit);
+  step.fast_bytes = shared / teams / 16 * 16;
+  ResidentLaunch<Scene> const launch{step, environments_, static_cast<int>(teams),
+                                     memory_.as<Record>(),
+                                     memory_.as<float4>(grids_at(environments_))};
+  start(stream, "a step", cuda::step<Scene, most_threads>, blocks, threads,
+        static_cast<std::size_t>(shared), launch);
+}
 
 }  // namespace mpmpbd::cuda

@@ -80,8 +80,10 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
   static constexpr bool looks_back = Scene_::Body::Transfer::needs_previous_grid;
   static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
-  using Resident = cuda::ResidentSteps<Scene, most_threads>;
-  using Tiled = cuda::TiledSteps<Scene, T>;
+  // Scenes that only store more have these in common, kernels and all.
+  using Stepped = typename Scene::Stepped;
+  using Resident = cuda::ResidentSteps<Stepped, most_threads>;
+  using Tiled = cuda::TiledSteps<Stepped, T>;
 
   Cuda where;
   cudaStream_t stream;
@@ -152,10 +154,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
       if (!fits())
         throw std::runtime_error("mpmpbd Cuda: " + execution() +
                                  "; use a grid of fewer nodes or larger cells, or tiled execution");
-      cuda::require(cudaFuncSetAttribute(cuda::step<Scene, most_threads>,
-                                         cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                         static_cast<int>(shared_limit)),
-                    "reserving shared memory for a program of this architecture");
+      Resident::reserve(shared_limit);
     }
   }
   void check_tiled(Base const& run) const {
@@ -183,16 +182,20 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
       tiled = Tiled(run.environments(), nodes, stream);
   }
 
-  Tables tables(Store const& store, cuda::Memory const& memory) const {
-    Tables t{};
+  // As much of it as these tables hold.
+  template <class Tables_ = Tables>
+  Tables_ tables(Store const& store, cuda::Memory const& memory) const {
+    Tables_ t{};
     Layout::walk(
         store,
         [&]<class F>(F, std::size_t, std::size_t at) {
-          auto& view = t.template of<typename F::Domain>().view;
-          auto const& table = store.template table<typename F::Domain>();
-          view.capacity = table.capacity();
-          view.stride = store.environments() * table.capacity();
-          static_cast<detail::Plane<T, F>&>(view).data = memory.as<element_t<F, T>>(at);
+          if constexpr (contains<typename Tables_::Stored, F>) {
+            auto& view = t.template of<typename F::Domain>().view;
+            auto const& table = store.template table<typename F::Domain>();
+            view.capacity = table.capacity();
+            view.stride = store.environments() * table.capacity();
+            static_cast<detail::Plane<T, F>&>(view).data = memory.as<element_t<F, T>>(at);
+          }
         },
         [&]<class D>(std::type_identity<D>, std::size_t, std::size_t at) {
           t.template of<D>().live = memory.as<std::int64_t>(at);
@@ -268,15 +271,16 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   };
 
   void step(Base const& run, double h, unsigned char const* of) const {
-    cuda::Launch<Scene, T> const launch{tables(run.state(), now),
-                                        run.lattice(),
-                                        h,
-                                        run.options().substep_choice(),
-                                        of,
-                                        work.as(),
-                                        static_cast<std::int64_t>(work_stride),
-                                        work.as<int>(slots_at),
-                                        fast_bytes};
+    using Tables_ = cuda::TablesOf<Stepped, T>;
+    cuda::Launch<Stepped, T> const launch{tables<Tables_>(run.state(), now),
+                                          run.lattice(),
+                                          h,
+                                          run.options().substep_choice(),
+                                          of,
+                                          work.as(),
+                                          static_cast<std::int64_t>(work_stride),
+                                          work.as<int>(slots_at),
+                                          fast_bytes};
     if constexpr (may_be_resident)
       if (is_resident) return resident.run(launch, where.threads, processors, shared_limit, stream);
     tiled.run(launch, where.threads, stream);

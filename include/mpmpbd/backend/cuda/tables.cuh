@@ -8,6 +8,7 @@ namespace mpmpbd::cuda {
 
 template <class T, class List, class Domains> struct Tables;
 template <class T, class List, class... Ds> struct Tables<T, List, TypeList<Ds...>> {
+  using Stored = List;
   using Domains = TypeList<Ds...>;
   template <class D> using ViewOf = View<T, on_t<List, D>>;
   template <class D> struct Held {

@@ -229,39 +229,7 @@ template <class Scene, class T> class TiledSteps {
     fill(0, memory_.bytes(), stream);
   }
 
-  void run(Launch<Scene, T> step, int threads, cudaStream_t stream) const {
-    threads = std::min(threads, most_threads);
-    step.fast_bytes = std::min(step.fast_bytes, Environment::most_fast_bytes);
-    TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
-                                       memory_.as(grids_at(environments_)), memory_.as<int>()};
-    auto const environment = [&](int s) {
-      start(stream, "a step", tiled_environment<Scene, T>, environments_, Environment::threads,
-            static_cast<std::size_t>(step.fast_bytes), launch, s);
-    };
-    auto const parts_of = [&](std::int64_t items) {
-      return items > 0 ? static_cast<int>((items + threads - 1) / threads) : 1;
-    };
-    int const particles = parts_of(step.tables.template of<Particles>().view.capacity);
-    int const nodes = parts_of(step.lattice.count());
-    auto const move = [&](int s) {
-      start(stream, "a step", tiled_particles<Scene, T, most_threads>, environments_ * particles,
-            threads, TiledParticles<Scene, T>::shared_bytes, launch, particles, s);
-    };
-    environment(Environment::opens);
-    start(stream, "a step", tiled_look<Scene, T>, environments_ * particles, threads,
-          sizeof(Findings<T>), launch, particles);
-    fill(0, sizeof(int), stream);
-    environment(Environment::chooses);
-    int const substeps = step.choice.fixed > 0 ? step.choice.fixed : most_substeps(stream);
-    move(-1);
-    for (int s = 0; s < substeps; ++s) {
-      start(stream, "a step", tiled_nodes<Scene, T>, environments_ * nodes, threads, 0, launch,
-            nodes, s);
-      environment(s);
-      move(s);
-    }
-    environment(substeps);
-  }
+  void run(Launch<Scene, T> step, int threads, cudaStream_t stream) const;
 
  private:
   static constexpr std::size_t counter_bytes = 256;
@@ -284,5 +252,41 @@ template <class Scene, class T> class TiledSteps {
   std::int64_t environments_ = 0;
   Memory memory_;
 };
+
+// Not inline, so that `extern template` keeps the kernels to one source.
+template <class Scene, class T>
+void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, cudaStream_t stream) const {
+  threads = std::min(threads, most_threads);
+  step.fast_bytes = std::min(step.fast_bytes, Environment::most_fast_bytes);
+  TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
+                                     memory_.as(grids_at(environments_)), memory_.as<int>()};
+  auto const environment = [&](int s) {
+    start(stream, "a step", tiled_environment<Scene, T>, environments_, Environment::threads,
+          static_cast<std::size_t>(step.fast_bytes), launch, s);
+  };
+  auto const parts_of = [&](std::int64_t items) {
+    return items > 0 ? static_cast<int>((items + threads - 1) / threads) : 1;
+  };
+  int const particles = parts_of(step.tables.template of<Particles>().view.capacity);
+  int const nodes = parts_of(step.lattice.count());
+  auto const move = [&](int s) {
+    start(stream, "a step", tiled_particles<Scene, T, most_threads>, environments_ * particles,
+          threads, TiledParticles<Scene, T>::shared_bytes, launch, particles, s);
+  };
+  environment(Environment::opens);
+  start(stream, "a step", tiled_look<Scene, T>, environments_ * particles, threads,
+        sizeof(Findings<T>), launch, particles);
+  fill(0, sizeof(int), stream);
+  environment(Environment::chooses);
+  int const substeps = step.choice.fixed > 0 ? step.choice.fixed : most_substeps(stream);
+  move(-1);
+  for (int s = 0; s < substeps; ++s) {
+    start(stream, "a step", tiled_nodes<Scene, T>, environments_ * nodes, threads, 0, launch, nodes,
+          s);
+    environment(s);
+    move(s);
+  }
+  environment(substeps);
+}
 
 }  // namespace mpmpbd::cuda
