@@ -31,6 +31,14 @@ template <> struct NumbersOf<double> {
   __device__ __forceinline__ static Integer nearest(double a) { return __double2ll_rn(a); }
 };
 
+// Adds unsigned: a lost environment's sum wraps, and no other atomic sum has 64 bits. The bits are those of a signed sum.
+template <class T>
+__device__ __forceinline__ void add_counts(typename NumbersOf<T>::Integer* sum,
+                                           typename NumbersOf<T>::Integer counts) {
+  using Unsigned = typename NumbersOf<T>::Unsigned;
+  atomicAdd(reinterpret_cast<Unsigned*>(sum), static_cast<Unsigned>(counts));
+}
+
 // Units of the sums: mass in heaviest particles, momentum in that mass times a cell per substep.
 template <class T> struct FixedPoint {
   static constexpr T scale = NumbersOf<T>::scale;
@@ -107,7 +115,6 @@ template <class T> struct Arena {
 // A pointer to each plane: an address is then one addition to what the stencil knows.
 template <class T> struct FixedRow {
   using Integer = typename NumbersOf<T>::Integer;
-  using Unsigned = typename NumbersOf<T>::Unsigned;
   Integer *x, *y, *z, *mass;
   __device__ __forceinline__ FixedRow operator+(int n) const {
     return {x + n, y + n, z + n, mass + n};
@@ -123,10 +130,8 @@ template <class T> struct FixedRow {
   }
 
  private:
-  // Unsigned, because there is no other atomic sum of 64 bits; the bits are the same.
   __device__ __forceinline__ static void add_to(Integer* sum, T counts) {
-    atomicAdd(reinterpret_cast<Unsigned*>(sum),
-              static_cast<Unsigned>(NumbersOf<T>::nearest(counts)));
+    add_counts<T>(sum, NumbersOf<T>::nearest(counts));
   }
 };
 template <class T> struct SumsOfArena {

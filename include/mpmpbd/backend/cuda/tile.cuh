@@ -107,7 +107,7 @@ template <class Shape> class ToTile {
           grid.lattice.index(box.low[0] + i % nx, box.low[1] + yz % ny, box.low[2] + yz / ny);
       for (int c = 0; c < 4; ++c) {
         int const sum = sums_[c * most_nodes + i];
-        if (sum != 0) atomicAdd(to + c * grid.arena.count, sum);
+        if (sum != 0) add_counts<float>(to + c * grid.arena.count, sum);
       }
     });
   }
