@@ -163,8 +163,8 @@ template <class T> struct VelocitiesOfArena {
   }
 };
 
-// Velocities of a run of nodes from their sums, then the scene's forces and boundaries; clears the sums that lie apart. `before`: the grid
-// before the forces, where the transfer asks for it. Returns the faults met.
+// Velocities of a run of nodes from their sums, then the scene's forces and boundaries; clears the sums that lie
+// apart. `before`: the grid before the forces, where the transfer asks for it. Returns the faults met.
 template <class Stage, class T, class Ctx>
 __device__ __forceinline__ std::uint32_t move_nodes(Arena<T> const& arena, Run const& nodes,
                                                     Ctx const& context, FixedPoint<T> const& unit,

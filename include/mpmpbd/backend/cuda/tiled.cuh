@@ -5,8 +5,9 @@
 //
 //   open    look    choose    scatter    n x ( nodes    environment    particles )    close
 //
-// particles: gather and scatter at once, by way of a tile (tile.cuh); in the last substep gather alone. An environment that does not move, is lost or
-// is done skips the rest. Sums, stages and the bookkeeping of a step are those of the resident form, so bits are too.
+// particles: gather and scatter at once, by way of a tile (tile.cuh); in the last substep gather alone. An environment
+// that does not move, is lost or is done skips the rest. Sums, stages and the bookkeeping of a step are those of the
+// resident form, so bits are too.
 //
 // Limits: where environments choose their substeps, how many launches there are is read back once per step.
 #pragma once
