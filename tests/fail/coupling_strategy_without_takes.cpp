@@ -9,7 +9,7 @@ struct Glue {
   using Takes = TypeList<>;
 #endif
   static constexpr Conserves conserves = Conserves::none;
-  template <class In> using Stages = TypeList<MoveWithTissue<In>>;
+  template <class In> using Stages = FollowTissue<In>;
 };
 using Laws = Coupling<Glue>;
 

@@ -64,7 +64,7 @@ template <class In> struct WeighedExchange : mpmpbd::ExchangeImpulses<In> {
 struct WeighedEmbedded : mpmpbd::Embedded {
   static constexpr mpmpbd::FixedString name = "Embedded on scales";
   template <class In>
-  using Stages = mpmpbd::TypeList<WeighedExchange<In>, mpmpbd::MoveWithTissue<In>>;
+  using Stages = mpmpbd::join_t<mpmpbd::TypeList<WeighedExchange<In>>, mpmpbd::FollowTissue<In>>;
 };
 // In a scene instead of Coupling<Embedded, laws...>.
 template <class... Laws> struct OnScales : mpmpbd::Coupling<mpmpbd::Embedded, Laws...> {

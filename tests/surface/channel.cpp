@@ -295,7 +295,8 @@ TEMPLATE_TEST_CASE("mouths and track go with the tissue", "[channel]", float, do
   auto const mouth_before = position(sheet, s.set().mouth(0, 0));
   for (int i = 0; i < 10; ++i) {
     for (std::int64_t v = 0; v < sheet.vertices; ++v) advect(sheet.vertex, v, velocity, dt);
-    s.set().advect_tracks(Solo{}, velocity, dt);
+    for (int slot = 0; slot < s.set().track_slots(); ++slot)
+      s.set().advect_track(slot, velocity, dt);
   }
   REQUIRE(norm(position(sheet, s.set().mouth(0, 0)) - mouth_before - vec<T>(T(0.002), 0, 0)) <
           T(1e-7));

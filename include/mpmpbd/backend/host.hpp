@@ -235,15 +235,29 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   template <class Stage> void run(kind::Together) {
     auto const env = access();
     if constexpr (Scene::has_body) {
-      using Move = MoveNodes<typename Scene::Body, typename Scene::Effects>;
       if constexpr (requires { Stage::scratch_bytes(env, context_); })
         work_.reserve_scratch(Stage::scratch_bytes(env, context_), context_.lattice);
-      NodeAccess<T, Move, Ctx> const grid{work_.nodes.data(), context_, work_.scratch.data(),
-                                          work_.slot_of_node.data()};
-      work_.faults_together |= Stage::run(Solo{}, env, context_, grid);
+      work_.faults_together |= Stage::run(Solo{}, env, context_, moved_nodes());
     } else {
       work_.faults_together |= Stage::run(Solo{}, env, context_, NoNodes{});
     }
+  }
+
+  template <class Stage> void run(kind::ItemWise) {
+    auto const env = access();
+    auto const grid = moved_nodes();
+    int const count = Stage::count(env);
+    lanes_.for_each((count + items_at_once - 1) / items_at_once, [&](std::int64_t some, int) {
+      auto const first = static_cast<int>(some) * items_at_once;
+      for (int i = first; i < min(first + items_at_once, count); ++i)
+        Stage::run(env, i, context_, grid);
+    });
+  }
+  // As the stages of a coupling see them.
+  auto moved_nodes() {
+    using Move = MoveNodes<typename Scene::Body, typename Scene::Effects>;
+    return NodeAccess<T, Move, Ctx>{work_.nodes.data(), context_, work_.scratch.data(),
+                                    work_.slot_of_node.data()};
   }
 
   // The nodes of a chunk. A stencil's first node grows with the position, so the extreme positions will do.
@@ -307,6 +321,8 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
       work_.previous.velocities[static_cast<std::size_t>(context_.lattice.index(i, j, k))] =
           quad(n[node::PreviousVelocity{}], T(0));
   }
+
+  static constexpr int items_at_once = 256;
 
   Store& state_;
   std::int64_t env_;

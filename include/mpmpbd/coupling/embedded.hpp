@@ -26,7 +26,7 @@ struct Embedded {
       {bound::not_negative("thread_radius", "m")}};
 
   // `In`: the bodies, laws and effects of the scene (SceneParts).
-  template <class In> using Stages = TypeList<ExchangeImpulses<In>, MoveWithTissue<In>>;
+  template <class In> using Stages = join_t<TypeList<ExchangeImpulses<In>>, FollowTissue<In>>;
 };
 
 }  // namespace mpmpbd

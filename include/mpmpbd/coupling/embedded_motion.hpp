@@ -1,5 +1,5 @@
-// The stage of `Embedded` that follows the exchange: the needle moves, surface and channels go with the
-// tissue, and the tip's state advances.
+// The stages of `Embedded` that follow the exchange: surface and channels go with the tissue, the needle moves, and the
+// tip's state advances.
 #pragma once
 
 #include <mpmpbd/coupling/embedded_exchange.hpp>
@@ -37,28 +37,56 @@ template <class Shape, class Grid, class T> struct TissueVelocity {
   }
 };
 
-template <class In> struct MoveWithTissue {
-  static constexpr FixedString name = "follow";
+// Vertices of the surface, then the points of the tracks.
+template <class In> struct MoveTracers {
+  static constexpr FixedString name = "tracers";
+  using Kind = kind::ItemWise;
+  using Items = TypeList<SheetVertices, ChannelPoints>;
+  using Parts = TypeList<Surface>;
+  using Reads = union_t<Fields<node::Velocity, node::Mass, sheet::Position>, channel::State,
+                        channel::PointState>;
+  using Writes = union_t<Fields<sheet::Position>, channel::PointState>;
+
+  template <class Env> MPMPBD_HD static int count(Env const& env) {
+    return vertices(env) + detail::channels_of_environment(env).track_slots();
+  }
+  template <class Env, class Ctx, class Grid>
+  MPMPBD_HD static void run(Env const& env, int item, Ctx const& context, Grid const& grid) {
+    using T = typename Ctx::Scalar;
+    TissueVelocity<typename In::Body::Shape, Grid, T> const velocity{grid, context.lattice};
+    int const n = vertices(env);
+    if (item < n)
+      advect(detail::row<sheet::Position>(env), item, velocity, context.tick.dt);
+    else
+      detail::channels_of_environment(env).advect_track(item - n, velocity, context.tick.dt);
+  }
+
+ private:
+  template <class Env> MPMPBD_HD static int vertices(Env const& env) {
+    return static_cast<int>(env.template live<SheetVertices>());
+  }
+};
+
+template <class In> struct AdvanceNeedle {
+  static constexpr FixedString name = "needle";
   using Kind = kind::Together;
   using Exchange = ExchangeImpulses<In>;
   using Needle = typename In::Needle;
-  using Parts = std::conditional_t<In::has_surface, TypeList<Surface>, TypeList<>>;
-  using Reads = union_t<Fields<node::Velocity, node::Mass, contact::Impulse>,
-                        typename Exchange::template if_t<In::has_needle, needle::State>>;
+  using Parts =
+      join_t<TypeList<Needle>, std::conditional_t<In::has_surface, TypeList<Surface>, TypeList<>>>;
+  using Reads = union_t<Fields<contact::Impulse>, needle::State>;
   using Writes = union_t<
-      typename Exchange::template if_t<In::has_needle, needle::State>,
+      needle::State,
       typename Exchange::template if_t<In::has_surface, union_t<Surface::Writes, tip::Memory>>>;
 
   template <class Team_, class Env, class Ctx, class Grid>
   MPMPBD_HD static std::uint32_t run(Team_ const& team, Env const& env, Ctx const& context,
                                      Grid const& grid) {
-    std::uint32_t faults = 0;
-    if constexpr (In::has_needle) move_needle(team, env, context);
-    if constexpr (In::has_surface) {
-      move_tracers(team, env, context, grid);
-      faults |= advance_surface(team, env, context, grid);
-    }
-    return faults;
+    move_needle(team, env, context);
+    if constexpr (In::has_surface)
+      return advance_surface(team, env, context, grid);
+    else
+      return 0;
   }
 
  private:
@@ -78,18 +106,6 @@ template <class In> struct MoveWithTissue {
         kinematic::finish_commanded(d.view, d.first, T(context.tick.dt));
       }
     });
-    team.sync();
-  }
-
-  template <class Team_, class Env, class Ctx, class Grid>
-  MPMPBD_HD static void move_tracers(Team_ const& team, Env const& env, Ctx const& context,
-                                     Grid const& grid) {
-    using T = typename Ctx::Scalar;
-    TissueVelocity<typename In::Body::Shape, Grid, T> const velocity{grid, context.lattice};
-    auto const vertex = detail::row<sheet::Position>(env);
-    team.each(static_cast<int>(env.template live<SheetVertices>()),
-              [&](int i) { advect(vertex, i, velocity, context.tick.dt); });
-    detail::channels_of_environment(env).advect_tracks(team, velocity, context.tick.dt);
     team.sync();
   }
 
@@ -135,5 +151,11 @@ template <class In> struct MoveWithTissue {
     return position(sheet, marker::load(d.view, d.first + m));
   }
 };
+
+// What a scene has of them.
+template <class In>
+using FollowTissue =
+    join_t<std::conditional_t<In::has_surface, TypeList<MoveTracers<In>>, TypeList<>>,
+           std::conditional_t<In::has_needle, TypeList<AdvanceNeedle<In>>, TypeList<>>>;
 
 }  // namespace mpmpbd

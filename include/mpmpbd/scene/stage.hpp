@@ -25,8 +25,30 @@ struct Gather {
 };  // run(p, nodes, context)
 struct Together {
   static constexpr FixedString name = "environment";
-};  // run(team, context)
+};  // run(team, env, context, grid)
+// As many items of `Items` as count(env) says, each by itself, after the nodes have moved: a device spreads them over blocks.
+struct ItemWise {
+  static constexpr FixedString name = "item by item";
+};  // run(env, item, context, grid)
 }  // namespace kind
+
+// Whether a stage concerns an environment as a whole: its coupling.
+template <class Stage>
+inline constexpr bool concerns_environment = std::is_same_v<typename Stage::Kind, kind::Together> ||
+                                             std::is_same_v<typename Stage::Kind, kind::ItemWise>;
+
+// Runs such a stage by one team. Returns the faults met.
+template <class Stage, class Team_, class Env, class Ctx, class Grid>
+MPMPBD_HD std::uint32_t run_by_team(Team_ const& team, Env const& env, Ctx const& context,
+                                    Grid const& grid) {
+  if constexpr (std::is_same_v<typename Stage::Kind, kind::ItemWise>) {
+    team.each(Stage::count(env), [&](int i) { Stage::run(env, i, context, grid); });
+    team.sync();
+    return 0;
+  } else {
+    return Stage::run(team, env, context, grid);
+  }
+}
 
 // Momentum of a node before it is divided by the mass: lives between scatter and node stage.
 namespace node {

@@ -189,17 +189,18 @@ template <class View, class PointView> struct ChannelSet {
     return false;
   }
 
-  // Track points are tracers: `velocity(x)` interpolates the grid.
-  template <class Team_, class Velocity>
-  MPMPBD_HD void advect_tracks(Team_ const& team, Velocity const& velocity, T dt) const {
-    auto const length = static_cast<int>(per_channel()), n = static_cast<int>(capacity()) * length;
-    std::int64_t const first = point_item(0, 0);
-    team.each(n, [&](int i) {
-      int const c = i / length;
-      if (!in_use(c) || i - c * length >= track_points(c)) return;
-      auto const x = points.template get<channel::Position>(first + i);
-      points.template set<channel::Position>(first + i, x + dt * velocity(x));
-    });
+  // Track points are tracers, one in each of track_slots() or none: `velocity(x)` interpolates the grid.
+  MPMPBD_HD int track_slots() const {
+    return static_cast<int>(capacity()) * static_cast<int>(per_channel());
+  }
+  template <class Velocity>
+  MPMPBD_HD void advect_track(int slot, Velocity const& velocity, T dt) const {
+    auto const length = static_cast<int>(per_channel());
+    int const c = slot / length;
+    if (!in_use(c) || slot - c * length >= track_points(c)) return;
+    std::int64_t const item = point_item(0, 0) + slot;
+    auto const x = points.template get<channel::Position>(item);
+    points.template set<channel::Position>(item, x + dt * velocity(x));
   }
 };
 template <class View, class PointView>

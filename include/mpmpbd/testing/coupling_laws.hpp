@@ -140,12 +140,12 @@ template <class Scene_, class T> class CouplingProbe {
     context.tick = Tick<T>{T(dt), T(dt), 0};
     std::uint32_t faults = 0;
     for_each_type(typename Scene_::Substep::Stages{}, [&]<class S>(std::type_identity<S>) {
-      if constexpr (std::is_same_v<typename S::Kind, kind::Together>) {
+      if constexpr (concerns_environment<S>) {
         auto const env = access();
         if constexpr (requires { S::scratch_bytes(env, context); })
           scratch_.resize(S::scratch_bytes(env, context) / sizeof(std::max_align_t) + 1);
         NodeAccess<T, Move, Ctx> const grid{nodes_.data(), context, scratch_.data(), slots_.data()};
-        faults |= S::run(Solo{}, env, context, grid);
+        faults |= run_by_team<S>(Solo{}, env, context, grid);
       }
     });
     return faults;

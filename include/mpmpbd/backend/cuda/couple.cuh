@@ -35,29 +35,61 @@ template <class Move, class Ctx> struct NodesOfGrid {
 
 template <class Scene, class T> struct Couple {
   using Stages = typename detail::TogetherOf<typename Scene::Substep::Stages>::type;
+  using Before = typename detail::AtItemWise<Stages>::Before;
+  using ItemWise = typename detail::AtItemWise<Stages>::ItemWise;
+  using After = typename detail::AtItemWise<Stages>::After;
   using Ctx = typename StepRecord<Scene, T>::Ctx;
   using Nodes_ = NodesOfGrid<MoveNodes<typename Scene::Body, typename Scene::Effects>, Ctx>;
   static constexpr bool any = detail::couples<Scene>;
 
-  // All stages of a substep on the nodes of an environment. `fast`: launch.fast_bytes of shared memory. Returns the
-  // faults met.
-  template <class Team_>
+  // Stages of a substep on the nodes of an environment, all of them or Before and After. `fast`: launch.fast_bytes of
+  // shared memory. Returns the faults met.
+  template <class Stages_ = Stages, class Team_>
   __device__ static std::uint32_t run(Team_ const& team, Launch<Scene, T> const& launch,
                                       std::int64_t env, Velocities<T> nodes, Ctx const& context,
                                       char* fast) {
-    Nodes_ const seen{nodes,
-                      context,
-                      launch.scratch + env * launch.scratch_stride,
-                      launch.slot_of_node + env * launch.lattice.count(),
-                      {fast, static_cast<std::size_t>(launch.fast_bytes)}};
-    return run_all(team, launch.fields(env), seen, context, Stages{});
+    return run_all(team, launch.fields(env), seen(launch, env, nodes, context, fast), context,
+                   Stages_{});
+  }
+
+  // Items of the stage between them: as many as an environment may have, and one by each of the threads of a block.
+  static std::int64_t most_items(Launch<Scene, T> const& launch) {
+    return capacity(launch, ItemWise{});
+  }
+  __device__ static void run_items(Launch<Scene, T> const& launch, std::int64_t env,
+                                   Velocities<T> nodes, Ctx const& context, int first) {
+    run_item(launch.fields(env), seen(launch, env, nodes, context, nullptr), context,
+             first + static_cast<int>(threadIdx.x), ItemWise{});
   }
 
  private:
+  __device__ static Nodes_ seen(Launch<Scene, T> const& launch, std::int64_t env,
+                                Velocities<T> nodes, Ctx const& context, char* fast) {
+    return {nodes,
+            context,
+            launch.scratch + env * launch.scratch_stride,
+            launch.slot_of_node + env * launch.lattice.count(),
+            {fast, static_cast<std::size_t>(fast != nullptr ? launch.fast_bytes : 0)}};
+  }
+  static std::int64_t capacity(Launch<Scene, T> const&, TypeList<>) { return 0; }
+  template <class S> static std::int64_t capacity(Launch<Scene, T> const& launch, TypeList<S>) {
+    std::int64_t sum = 0;
+    for_each_type(typename S::Items{}, [&]<class D>(std::type_identity<D>) {
+      sum += launch.tables.template of<D>().view.capacity;
+    });
+    return sum;
+  }
+  template <class Env>
+  __device__ static void run_item(Env const&, Nodes_ const&, Ctx const&, int, TypeList<>) {}
+  template <class Env, class S>
+  __device__ static void run_item(Env const& env, Nodes_ const& nodes, Ctx const& context, int item,
+                                  TypeList<S>) {
+    if (item < S::count(env)) S::run(env, item, context, nodes);
+  }
   template <class Team_, class Env, class... Ss>
   __device__ static std::uint32_t run_all(Team_ const& team, Env const& env, Nodes_ const& nodes,
                                           Ctx const& context, TypeList<Ss...>) {
-    return (Ss::run(team, env, context, nodes) | ... | 0u);
+    return (run_by_team<Ss>(team, env, context, nodes) | ... | 0u);
   }
 };
 

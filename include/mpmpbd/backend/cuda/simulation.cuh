@@ -80,10 +80,10 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
   static constexpr bool looks_back = Scene_::Body::Transfer::needs_previous_grid;
   static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
-  // Scenes that only store more have these in common, kernels and all.
-  using Stepped = typename Scene::Stepped;
-  using Resident = cuda::ResidentSteps<Stepped, most_threads>;
-  using Tiled = cuda::TiledSteps<Stepped, T>;
+  // Scenes that only store more have these in common, kernels and all. Spelled out: what nvcc generates for a kernel names
+  // its scene as it is written here, and may not name a member of this class.
+  using Resident = cuda::ResidentSteps<typename Scene_::Stepped, most_threads>;
+  using Tiled = cuda::TiledSteps<typename Scene_::Stepped, T>;
 
   Cuda where;
   cudaStream_t stream;
@@ -271,16 +271,16 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   };
 
   void step(Base const& run, double h, unsigned char const* of) const {
-    using Tables_ = cuda::TablesOf<Stepped, T>;
-    cuda::Launch<Stepped, T> const launch{tables<Tables_>(run.state(), now),
-                                          run.lattice(),
-                                          h,
-                                          run.options().substep_choice(),
-                                          of,
-                                          work.as(),
-                                          static_cast<std::int64_t>(work_stride),
-                                          work.as<int>(slots_at),
-                                          fast_bytes};
+    using Tables_ = cuda::TablesOf<typename Scene_::Stepped, T>;
+    cuda::Launch<typename Scene_::Stepped, T> const launch{tables<Tables_>(run.state(), now),
+                                                           run.lattice(),
+                                                           h,
+                                                           run.options().substep_choice(),
+                                                           of,
+                                                           work.as(),
+                                                           static_cast<std::int64_t>(work_stride),
+                                                           work.as<int>(slots_at),
+                                                           fast_bytes};
     if constexpr (may_be_resident)
       if (is_resident) return resident.run(launch, where.threads, processors, shared_limit, stream);
     tiled.run(launch, where.threads, stream);

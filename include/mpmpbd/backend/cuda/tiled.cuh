@@ -5,9 +5,10 @@
 //
 //   open    look    choose    scatter    n x ( nodes    environment    particles )    close
 //
-// particles: gather and scatter at once, by way of a tile (tile.cuh); in the last substep gather alone. An environment
-// that does not move, is lost or is done skips the rest. Sums, stages and the bookkeeping of a step are those of the
-// resident form, so bits are too.
+// particles: gather and scatter at once, by way of a tile (tile.cuh); in the last substep gather alone. Other blocks of the
+// same launch carry out the stage of a coupling that goes item by item, and what comes after it is left to the next
+// `environment`. An environment that does not move, is lost or is done skips the rest. Sums, stages and the bookkeeping of a
+// step are those of the resident form, so bits are too.
 //
 // Limits: where environments choose their substeps, how many launches there are is read back once per step.
 #pragma once
@@ -124,13 +125,28 @@ template <class Scene, class T> class TiledParticles {
   }
 };
 
-// Two blocks or more of a multiprocessor: one adds to its tile while another meets at a barrier.
+// A function of its own, so that what it takes does not crowd the particles' registers.
+template <class Scene, class T>
+__device__ __noinline__ void tiled_items(TiledBlock<Scene, T> const& block, int part, int s) {
+  auto const context = block.record().at(s);
+  Couple<Scene, T>::run_items(block.launch.step, block.env, block.arena().velocity, context,
+                              part * static_cast<int>(blockDim.x));
+}
+
+// Of an environment's parts, the first `parts` of particles. Two blocks or more of a multiprocessor: one adds to its tile
+// while another meets at a barrier.
 template <class Scene, class T, int threads>
 __global__ void __launch_bounds__(threads, 512 / threads)
-    tiled_particles(__grid_constant__ TiledLaunch<Scene, T> const launch, int parts, int s) {
-  auto const block = TiledBlock<Scene, T>::of(launch, parts);
+    tiled_particles(__grid_constant__ TiledLaunch<Scene, T> const launch, int parts, int item_parts,
+                    int s) {
+  auto const block = TiledBlock<Scene, T>::of(launch, parts + item_parts);
+  if (!block.has(s)) return;
+  if (block.part >= parts) {
+    if constexpr (Couple<Scene, T>::ItemWise::size > 0) tiled_items(block, block.part - parts, s);
+    return;
+  }
   Run const slots = block.particles();
-  if (block.has(s) && slots.first < slots.end) TiledParticles<Scene, T>::run(block, s);
+  if (slots.first < slots.end) TiledParticles<Scene, T>::run(block, s);
 }
 
 template <class Scene, class T>
@@ -163,7 +179,10 @@ template <class Scene, class T> class TiledEnvironment {
     auto& record = block_.record();
     StepControl const control{step().fields(block_.env)};
     bool const moves = record.moves;
-    if (moves && s > 0) record.note(lost_bodies(BlockTeam{}, control.env), s - 1);
+    if (moves && s > 0) {
+      couple<typename Coupling::After>(record, s - 1);
+      record.note(lost_bodies(BlockTeam{}, control.env), s - 1);
+    }
     __syncthreads();
     if (threadIdx.x == 0) {
       if (s == opens)
@@ -179,7 +198,7 @@ template <class Scene, class T> class TiledEnvironment {
       of_bodies.held = lost_bodies(BlockTeam{}, control.env);
       record.found.include(of_bodies);
     }
-    if (s >= 0 && record.moves && Coupling::any) couple(record, s);
+    if (s >= 0 && record.moves) couple<typename Coupling::Before>(record, s);
   }
 
  private:
@@ -191,13 +210,15 @@ template <class Scene, class T> class TiledEnvironment {
     record.unit = record.fixed_point();
     if (record.moves) atomicMax(block_.launch.most_substeps, record.clock.substeps);
   }
+  template <class Stages>
   __device__ void couple([[maybe_unused]] Record& record, [[maybe_unused]] int s) const {
-    if constexpr (Coupling::any) {
+    if constexpr (Stages::size > 0) {
       alignas(16) extern __shared__ char dynamic_shared_memory[];
       auto const nodes = block_.arena().velocity;
-      record.note(Coupling::run(BlockTeam{}, step(), block_.env, nodes, record.at(s),
-                                dynamic_shared_memory),
+      record.note(Coupling::template run<Stages>(BlockTeam{}, step(), block_.env, nodes,
+                                                 record.at(s), dynamic_shared_memory),
                   s);
+      __syncthreads();
     }
   }
 
@@ -270,9 +291,12 @@ void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, cudaStream_t 
   };
   int const particles = parts_of(step.tables.template of<Particles>().view.capacity);
   int const nodes = parts_of(step.lattice.count());
+  auto const most_items = Couple<Scene, T>::most_items(step);
   auto const move = [&](int s) {
-    start(stream, "a step", tiled_particles<Scene, T, most_threads>, environments_ * particles,
-          threads, TiledParticles<Scene, T>::shared_bytes, launch, particles, s);
+    int const items = s >= 0 && most_items > 0 ? parts_of(most_items) : 0;
+    start(stream, "a step", tiled_particles<Scene, T, most_threads>,
+          environments_ * (particles + items), threads, TiledParticles<Scene, T>::shared_bytes,
+          launch, particles, items, s);
   };
   environment(Environment::opens);
   start(stream, "a step", tiled_look<Scene, T>, environments_ * particles, threads,

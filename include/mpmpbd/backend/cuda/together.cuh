@@ -8,9 +8,27 @@ namespace mpmpbd::cuda {
 namespace detail {
 template <class Stages> struct TogetherOf;
 template <class... Ss> struct TogetherOf<TypeList<Ss...>> {
-  template <class S>
-  static constexpr bool is_together = std::is_same_v<typename S::Kind, kind::Together>;
-  using type = join_t<std::conditional_t<is_together<Ss>, TypeList<Ss>, TypeList<>>...>;
+  using type = join_t<std::conditional_t<concerns_environment<Ss>, TypeList<Ss>, TypeList<>>...>;
+};
+
+// Stages before the first that goes item by item, that one, and those after it.
+template <class Stages> struct AtItemWise {
+  using Before = TypeList<>;
+  using ItemWise = TypeList<>;
+  using After = TypeList<>;
+};
+template <class S, class... Ss> struct AtItemWise<TypeList<S, Ss...>> {
+  using Rest = AtItemWise<TypeList<Ss...>>;
+  using Before = join_t<TypeList<S>, typename Rest::Before>;
+  using ItemWise = typename Rest::ItemWise;
+  using After = typename Rest::After;
+};
+template <class S, class... Ss>
+  requires std::is_same_v<typename S::Kind, kind::ItemWise>
+struct AtItemWise<TypeList<S, Ss...>> {
+  using Before = TypeList<>;
+  using ItemWise = TypeList<S>;
+  using After = TypeList<Ss...>;
 };
 template <class Scene>
 inline constexpr bool couples = TogetherOf<typename Scene::Substep::Stages>::type::size > 0;
