@@ -41,12 +41,13 @@ static_assert(std::is_same_v<typename State<float, FieldsOf<Tissue>>::Domains,
 static_assert(!contains<FieldsOf<Tissue>, ParametersField<Embedded>> &&
               !contains<FieldsOf<Tissue>, ParametersField<ArcNeedle>>);
 
-// A thread in tissue: beads and contact points, but nothing of needle or surface; two more stages.
+// A thread in tissue: beads and contact points, but nothing of needle or surface; one more stage. With them,
+// two more: what goes with the tissue, and the needle.
 static_assert(has_domain<ThreadInTissue, Beads> && has_domain<ThreadInTissue, ContactPoints>);
 static_assert(!has_domain<ThreadInTissue, Needles> && !has_domain<ThreadInTissue, SheetVertices> &&
               !has_domain<ThreadInTissue, Channels> && !has_domain<ThreadInTissue, Events>);
-static_assert(ThreadInTissue::Substep::Stages::size == 5);
-static_assert(Suturing::Substep::Stages::size == 5);
+static_assert(ThreadInTissue::Substep::Stages::size == 4);
+static_assert(Suturing::Substep::Stages::size == 6);
 static_assert(has_domain<Suturing, Needles> && has_domain<Suturing, Channels>);
 
 // Counts how far every bead has gone: an effect that acts when the coupling has solved.
