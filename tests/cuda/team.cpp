@@ -1,6 +1,7 @@
 // Teams of the threads of a block, on an emulated device: who does what, and what the lanes of a group agree on.
 #include "catch.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -92,6 +93,23 @@ TEST_CASE("the lanes of a warp agree on a least value and on a sum", "[cuda][tea
     agree += warp.sum(other) == 31 * 16;
   });
   CHECK(agree == 6 * 64);
+}
+
+TEST_CASE("the lanes of a warp share numbers out in order, and know what those before them have",
+          "[cuda][team]") {
+  for (int n : {0, 1, 31, 32, 33, 100}) {
+    std::vector<int> taker(static_cast<std::size_t>(n), -1);
+    int right = 0;
+    run_block(32, [&] {
+      Warp const warp;
+      Piece const mine = warp.part(n);
+      for (int i = mine.first; i < mine.end; ++i) taker[static_cast<std::size_t>(i)] = Warp::lane();
+      right += warp.sum_before(mine.end - mine.first) == mine.first;
+    });
+    CHECK(right == 32);
+    CHECK(std::is_sorted(taker.begin(), taker.end()));
+    CHECK((n == 0 || taker.front() >= 0));
+  }
 }
 
 TEST_CASE("what one lane of a warp writes, the others read after it", "[cuda][team]") {

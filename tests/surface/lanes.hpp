@@ -1,6 +1,7 @@
 // Lanes of a group as threads of the host, so that the text of a group is tested with several lanes without a device.
 #pragma once
 
+#include <algorithm>
 #include <barrier>
 #include <cstring>
 #include <thread>
@@ -36,15 +37,27 @@ struct Lane {
   int sum(int a) const {
     return over_all(a, [](int x, int y) { return x + y; });
   }
+  int sum_before(int a) const {
+    int const up_to_mine = over(number + 1, a, [](int x, int y) { return x + y; });
+    return up_to_mine - a;
+  }
+  mpmpbd::Piece part(int n) const {
+    int const length = (n + meeting->count - 1) / meeting->count, first = number * length;
+    return {std::min(first, n), std::min(first + length, n)};
+  }
 
  private:
   template <class T, class F> T over_all(T mine, F const& join) const {
+    return over(meeting->count, mine, join);
+  }
+  // Of the first `lanes` lanes.
+  template <class T, class F> T over(int lanes, T mine, F const& join) const {
     auto* const brought = meeting->brought.data();
     std::memcpy(brought + number, &mine, sizeof mine);
     sync();
     T result, next;
     std::memcpy(&result, brought, sizeof result);
-    for (int i = 1; i < meeting->count; ++i) {
+    for (int i = 1; i < lanes; ++i) {
       std::memcpy(&next, brought + i, sizeof next);
       result = join(result, next);
     }

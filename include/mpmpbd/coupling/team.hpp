@@ -19,10 +19,16 @@ struct TeamProbe {
 };
 }  // namespace detail
 
+// Numbers first ... end - 1.
+struct Piece {
+  int first, end;
+};
+
 // Lanes that look into one matter together: all of them run the same text, each with variables of its own.
 //
 // each, one and sync are as of a team. min(a), sum(n): over what the lanes bring, known to all of them. Neither
-// depends on how many lanes there are; a NaN loses against any number.
+// depends on how many lanes there are; a NaN loses against any number. part(n): the numbers 0 ... n-1 in as many pieces as
+// there are lanes, in their order, and sum_before(n): over the lanes before this one.
 template <class Group_> concept Group = requires(Group_ const& group, detail::TeamProbe f) {
   group.each(1, f);
   group.one(f);
@@ -30,6 +36,8 @@ template <class Group_> concept Group = requires(Group_ const& group, detail::Te
   { group.min(1.0f) } -> std::same_as<float>;
   { group.min(std::int64_t{1}) } -> std::same_as<std::int64_t>;
   { group.sum(1) } -> std::same_as<int>;
+  { group.sum_before(1) } -> std::same_as<int>;
+  { group.part(1) } -> std::same_as<Piece>;
 };
 
 // each(n, f): f(0) ... f(n-1), spread over the lanes, in no order. one(f): f() on one lane.
@@ -59,6 +67,8 @@ struct Solo {
   MPMPBD_HD void sync() const {}
   template <class T> MPMPBD_HD T min(T a) const { return a; }
   MPMPBD_HD int sum(int a) const { return a; }
+  MPMPBD_HD int sum_before(int) const { return 0; }
+  MPMPBD_HD Piece part(int n) const { return {0, n}; }
   MPMPBD_HD int add(int& counter, int amount) const {
     int const before = counter;
     counter += amount;

@@ -79,7 +79,7 @@ template <class T, class Firsts, class Items> struct Columns {
       for_each_overlap(sheet, k, [&](std::int64_t c) { add(team, c + 1); });
     });
     team.sync();
-    team.one([&] { number_items(); });
+    team.groups(1, [&](auto const& group, int) { number_items(group); });
     team.sync();
     bool const fits = first(0) == 0;
     team.sync();
@@ -112,14 +112,18 @@ template <class T, class Firsts, class Items> struct Columns {
   }
   // From how many items a column has, which stands in the entry after its own, to its first one there.
   // Entry 0 is not 0 where they do not fit.
-  MPMPBD_HD void number_items() const {
-    std::int64_t sum = 0;
-    for (std::int64_t c = 0; c < columns(); ++c) {
-      std::int64_t const own = first(c + 1);
+  template <class Group_> MPMPBD_HD void number_items(Group_ const& group) const {
+    Piece const mine = group.part(static_cast<int>(columns()));
+    int own = 0;
+    for (int c = mine.first; c < mine.end; ++c) own += static_cast<int>(first(c + 1));
+    int sum = group.sum_before(own);
+    bool const fits = group.sum(own) <= capacity;
+    for (int c = mine.first; c < mine.end; ++c) {
+      int const of_column = static_cast<int>(first(c + 1));
       first.set(c + 1, sum);
-      sum += own;
+      sum += of_column;
     }
-    if (sum > capacity) first.set(0, 1);
+    if (!fits) group.one([&] { first.set(0, 1); });
   }
   template <class S, class F>
   MPMPBD_HD void for_each_overlap(S const& sheet, std::int64_t k, F&& f) const {

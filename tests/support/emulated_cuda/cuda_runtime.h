@@ -205,6 +205,10 @@ inline int __shfl_sync(unsigned, int value, int lane) {
 template <class T> T __shfl_xor_sync(unsigned, T value, int mask) {
   return emulated::Block::running()->gather(value)(threadIdx.x % 32 ^ static_cast<unsigned>(mask));
 }
+inline int __shfl_up_sync(unsigned, int value, unsigned delta) {
+  unsigned const lane = threadIdx.x % 32;
+  return emulated::Block::running()->gather(value)(lane >= delta ? lane - delta : lane);
+}
 inline unsigned __ballot_sync(unsigned, bool value) {
   auto const all = emulated::Block::running()->gather(value);
   unsigned bits = 0;

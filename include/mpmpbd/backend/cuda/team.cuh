@@ -32,6 +32,18 @@ struct Warp {
     for (int other = size / 2; other > 0; other /= 2) a += __shfl_xor_sync(all, a, other);
     return a;
   }
+  __device__ int sum_before(int a) const {
+    int sum = a;
+    for (int nearer = 1; nearer < size; nearer *= 2) {
+      int const before = __shfl_up_sync(all, sum, static_cast<unsigned>(nearer));
+      if (lane() >= nearer) sum += before;
+    }
+    return sum - a;
+  }
+  __device__ Piece part(int n) const {
+    int const length = (n + size - 1) / size, first = lane() * length;
+    return {first < n ? first : n, first + length < n ? first + length : n};
+  }
 };
 
 namespace detail {
