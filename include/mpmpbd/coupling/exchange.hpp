@@ -431,11 +431,6 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     });
     team.sync();
   }
-  MPMPBD_HD bool revise(Revision how) const {
-    bool const changed = judge(how) > 0;
-    if (changed) adopt(true);
-    return changed;
-  }
   MPMPBD_HD Hold judged(int q, Revision how) const {
     bool const one_sided = is_one_sided(x.points[q]);
     switch (how) {
@@ -474,23 +469,41 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     return Hold::slide;
   }
 
+  // Tries holds until none is wrong. The first trial lets points slide and let go; a second one takes back what was wrong
+  // in that. Where one-sided points still are, it goes on:
+  //
   // Which one-sided points touch is a linear complementarity problem, solved by block principal pivoting (Judice
   // and Pires 1994): those that pull let go, those that would go in take hold, all at once while that leaves
   // fewer of them wrong, else one at a time. Should it not end, they only let go until none pulls and no tip exceeds
   // its cap: these limits are hard. Letting go alone would not do: held at once by all its points, a stiff
   // thread pulls at every second one, and it would end with none.
-  MPMPBD_HD void settle() const {
-    int fewest = x.count() + 1, left = patience;
-    for (int i = 0; i < most_trials + most_releases; ++i) {
-      pass();
-      bool const settling = i < most_trials;
-      int const wrong = judge(settling ? Revision::settle : Revision::release);
-      if (wrong == 0) return;
-      left = wrong < fewest ? patience : left - 1;
-      fewest = min(fewest, wrong);
-      adopt(!settling || left >= 0);
+  MPMPBD_HD void find_holds(bool first) const {
+    Revision how = Revision::yield;
+    int trials = 0, fewest = x.count() + 1, left = patience;
+    for (bool fresh = true;;) {  // holds that no trial has seen
+      if (fresh) pass();
+      if (trials == most_trials + most_releases) return;
+      int const wrong = judge(how);
+      fresh = wrong > 0;
+      bool all = true;
+      switch (how) {
+        case Revision::yield:
+          if (!fresh && (first || !Law::grips)) return;
+          how = Revision::reconsider;
+          break;
+        case Revision::reconsider:
+          if (!fresh) return;
+          how = Revision::settle;
+          break;
+        default:
+          if (!fresh) return;
+          left = wrong < fewest ? patience : left - 1;
+          fewest = min(fewest, wrong);
+          all = how == Revision::release || left >= 0;
+          if (++trials == most_trials) how = Revision::release;
+      }
+      if (fresh) adopt(all);
     }
-    pass();
   }
 
   // After observe(). The first sweep tries every point in stick; the second goes on with what the first
@@ -503,12 +516,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       w.hold = law.resumes(x.points[q], before, w.J, w.slip_impulse);
     });
     team.sync();
-    pass();
-    bool const yielded = revise(Revision::yield);
-    if (yielded) pass();
-    if (yielded || (Law::grips && !first)) {
-      if (revise(Revision::reconsider)) settle();
-    }
+    find_holds(first);
     push_nodes([&](int q) { return x.work[q].dJ; },
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.velocity += dv; });
     team.each(x.count(), [&](int q) {
@@ -595,6 +603,9 @@ MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const&
   detail::Exchange<Team_, T, Form, Nodes> const e(team, x, nodes);
   std::uint32_t const faults = e.begin();
   e.warm_start();
+#if defined(__CUDA_ARCH__)
+#pragma unroll 1
+#endif
   for (int i = 0; i < sweeps; ++i) {
     e.observe();
     e.sweep(i == 0);
