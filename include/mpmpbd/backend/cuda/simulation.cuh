@@ -283,7 +283,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                                            fast_bytes};
     if constexpr (may_be_resident)
       if (is_resident) return resident.run(launch, where.threads, processors, shared_limit, stream);
-    tiled.run(launch, where.threads, stream);
+    tiled.run(launch, where.threads, processors, stream);
   }
   void reset(Base const& run, unsigned char const* of) const {
     cuda::start(stream, "a reset", cuda::reset<Scene, T>, run.environments(), 256, 0,

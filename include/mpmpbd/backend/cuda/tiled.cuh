@@ -168,7 +168,11 @@ template <class Scene, class T> class TiledEnvironment {
   using Coupling = Couple<Scene, T>;
 
  public:
-  static constexpr int threads = 128;
+  static constexpr int most_threads = 256;
+  // Where every environment has a multiprocessor to itself, all that its registers allow; else two share one.
+  static int threads(std::int64_t environments, std::int64_t processors) {
+    return environments <= processors ? most_threads : most_threads / 2;
+  }
   static constexpr std::int64_t most_fast_bytes = 48 << 10;  // what every device gives unasked
   static constexpr int opens = -2, chooses = -1;             // else: the substep that is coupled
 
@@ -226,7 +230,7 @@ template <class Scene, class T> class TiledEnvironment {
 };
 
 template <class Scene, class T>
-__global__ void __launch_bounds__(TiledEnvironment<Scene, T>::threads)
+__global__ void __launch_bounds__(TiledEnvironment<Scene, T>::most_threads)
     tiled_environment(__grid_constant__ TiledLaunch<Scene, T> const launch, int s) {
   TiledEnvironment<Scene, T>(launch).run(s);
 }
@@ -251,7 +255,8 @@ template <class Scene, class T> class TiledSteps {
     fill(0, memory_.bytes(), stream);
   }
 
-  void run(Launch<Scene, T> step, int threads, cudaStream_t stream) const;
+  // With blocks of so many threads on a device with so many multiprocessors.
+  void run(Launch<Scene, T> step, int threads, std::int64_t processors, cudaStream_t stream) const;
 
  private:
   static constexpr std::size_t counter_bytes = 256;
@@ -277,13 +282,15 @@ template <class Scene, class T> class TiledSteps {
 
 // Not inline, so that `extern template` keeps the kernels to one source.
 template <class Scene, class T>
-void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, cudaStream_t stream) const {
+void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, std::int64_t processors,
+                               cudaStream_t stream) const {
   threads = std::min(threads, most_threads);
   step.fast_bytes = std::min(step.fast_bytes, Environment::most_fast_bytes);
   TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
                                      memory_.as(grids_at(environments_)), memory_.as<int>()};
   auto const environment = [&](int s) {
-    start(stream, "a step", tiled_environment<Scene, T>, environments_, Environment::threads,
+    start(stream, "a step", tiled_environment<Scene, T>, environments_,
+          Environment::threads(environments_, processors),
           static_cast<std::size_t>(step.fast_bytes), launch, s);
   };
   auto const parts_of = [&](std::int64_t items) {
