@@ -1,5 +1,5 @@
 // Both forms of execution on a GPU: tissue alone, and tissue with a thread drawn through it, give what the serial back end
-// gives, and the same bits for any number of environments and threads of a block, resident or tiled.
+// gives, and the same bits for any number of environments and threads of a block, resident or tiled. In double, too, tiled.
 //
 // tests/cuda has the same on an emulated device, and more of it.
 #include <chrono>
@@ -51,6 +51,7 @@ template <class Scene> SimulationOptions options(std::int64_t environments) {
 }
 
 template <class Run> void add_tissue(Run& run, std::int64_t env) {
+  using S = typename Run::Scalar;
   std::vector<Vec3<double>> x;
   for (int k = 0; k < 22; ++k)
     for (int j = 0; j < 21; ++j)
@@ -63,12 +64,12 @@ template <class Run> void add_tissue(Run& run, std::int64_t env) {
                     2.0 / particles);
   for (int p = 0; p < particles; ++p)
     run.state().template set<particle::Velocity>(
-        env, p,
-        {{0.1f * float(env % 3) * std::sin(3.0f * float(x[std::size_t(p)][1])), 0.0f, 0.0f}});
+        env, p, {{S(0.1 * double(env % 3) * std::sin(3.0 * x[std::size_t(p)][1])), S(0), S(0)}});
 }
 
 // A thread drawn through the block in a shallow arc; its free ends stand out at both sides.
 template <class Run> void add_thread_through(Run& run, std::int64_t env) {
+  using S = typename Run::Scalar;
   std::vector<Vec3<double>> line;
   for (int k = 0; k < beads; ++k) {
     double const s = double(k) / (beads - 1) - 0.5;
@@ -83,12 +84,12 @@ template <class Run> void add_thread_through(Run& run, std::int64_t env) {
   run.template set<Friction>(env, {0.2, 100.0});
   for (int k = 0; k < beads; ++k)  // pulled along itself, and sideways
     run.state().template set<bead::Velocity>(env, k,
-                                             {{0.6f, 0.1f * float(env % 3), 0.05f * float(k % 4)}});
+                                             {{S(0.6), S(0.1) * S(env % 3), S(0.05) * S(k % 4)}});
 }
 
-template <class Scene, class Backend, class Where = Backend>
-auto make_run(std::int64_t environments, Where where = {}) {
-  Simulation<Scene, Backend, float> run(options<Scene>(environments), where);
+template <class Scene, class Backend, class S = float>
+auto make_run(std::int64_t environments, Backend where = {}) {
+  Simulation<Scene, Backend, S> run(options<Scene>(environments), where);
   for (std::int64_t e = 0; e < environments; ++e) {
     add_tissue(run, e);
     if constexpr (Scene::has_rods) add_thread_through(run, e);
@@ -132,10 +133,32 @@ template <class Scene> void compare(char const* name) {
     check(same_bits(d, env, read(tiled), env), name, "tiled execution gives the same bits");
 }
 
-template <class Scene>
+void compare_in_double() {
+  auto serial = make_run<Threaded, Serial, double>(3);
+  auto device = make_run<Threaded, Cuda, double>(3);
+  auto narrow = make_run<Threaded, Cuda, double>(3, Cuda{.threads = 128});
+  auto alone = make_run<Threaded, Cuda, double>(1);
+  serial.step(step), device.step(step), narrow.step(step), alone.step(step);
+  auto const &d = read(device), &s = read(serial);
+  char const* name = "tissue and thread in double";
+  // The units of its sums are 2^22 times finer than those of float.
+  double const v =
+      std::ldexp(test::fixed_point_noise(dx, step / substeps, substeps), -22);  // [m/s]
+  auto within = [&](char const* what, double got, double allowed) {
+    check(got < allowed, name, what, got);
+  };
+  within("positions equal the serial back end's [m]", difference<particle::Position>(d, s),
+         v * step);
+  within("velocities equal them [m/s]", difference<particle::Velocity>(d, s), v);
+  within("thread velocities equal them [m/s]", difference<bead::Velocity>(d, s), v);
+  check(same_bits(d, 2, read(narrow), 2), name, "128 threads give the same bits");
+  check(same_bits(d, 0, read(alone), 0), name, "alone it has the same bits");
+}
+
+template <class Scene, class S = float>
 double ns_per_particle_substep(std::int64_t environments, Cuda::Execution execution) {
-  Simulation<Scene, Cuda, float> run(options<Scene>(environments), {.execution = execution});
-  auto const one = make_run<Scene, Serial>(1);
+  Simulation<Scene, Cuda, S> run(options<Scene>(environments), {.execution = execution});
+  auto const one = make_run<Scene, Serial, S>(1);
   for (std::int64_t e = 0; e < environments; ++e) run.state().copy_environment(e, one.state(), 0);
   run.step(step);
   run.wait();
@@ -162,9 +185,14 @@ void print_times(Cuda::Execution form) {
 int main(int argc, char**) {
   compare<TissueAlone>("tissue alone");
   compare<Threaded>("tissue and thread");
+  compare_in_double();
   if (argc == 1) {
     print_times(Cuda::Execution::resident);
     print_times(Cuda::Execution::tiled);
+    for (std::int64_t environments : {1, 132})
+      std::printf("double, tiled, %d environments: with a thread of %d beads %.4f ns\n",
+                  int(environments), beads,
+                  ns_per_particle_substep<Threaded, double>(environments, Cuda::Execution::tiled));
   }
   std::printf("%d passed, %d failed\n", passed, failed);
   return failed == 0 ? 0 : 1;
