@@ -52,14 +52,19 @@ template <class Scene, class T> struct Couple {
                    Stages_{});
   }
 
-  // Items of the stage between them: as many as an environment may have, and one by each of the threads of a block.
+  // Items of the stage between them: as many as an environment may have, as it has, and some of them by the threads of a
+  // block.
   static std::int64_t most_items(Launch<Scene, T> const& launch) {
     return capacity(launch, ItemWise{});
   }
+  __device__ static int items(Launch<Scene, T> const& launch, std::int64_t env) {
+    return count(launch.fields(env), ItemWise{});
+  }
   __device__ static void run_items(Launch<Scene, T> const& launch, std::int64_t env,
-                                   Velocities<T> nodes, Ctx const& context, int first) {
-    run_item(launch.fields(env), seen(launch, env, nodes, context, nullptr), context,
-             first + static_cast<int>(threadIdx.x), ItemWise{});
+                                   Velocities<T> nodes, Ctx const& context, Run const& some) {
+    auto const fields = launch.fields(env);
+    auto const grid = seen(launch, env, nodes, context, nullptr);
+    some.each([&](int item) { run_item(fields, grid, context, item, ItemWise{}); });
   }
 
  private:
@@ -79,12 +84,16 @@ template <class Scene, class T> struct Couple {
     });
     return sum;
   }
+  template <class Env> __device__ static int count(Env const&, TypeList<>) { return 0; }
+  template <class Env, class S> __device__ static int count(Env const& env, TypeList<S>) {
+    return S::count(env);
+  }
   template <class Env>
   __device__ static void run_item(Env const&, Nodes_ const&, Ctx const&, int, TypeList<>) {}
   template <class Env, class S>
   __device__ static void run_item(Env const& env, Nodes_ const& nodes, Ctx const& context, int item,
                                   TypeList<S>) {
-    if (item < S::count(env)) S::run(env, item, context, nodes);
+    S::run(env, item, context, nodes);
   }
   template <class Team_, class Env, class... Ss>
   __device__ static std::uint32_t run_all(Team_ const& team, Env const& env, Nodes_ const& nodes,

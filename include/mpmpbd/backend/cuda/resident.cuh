@@ -3,7 +3,9 @@
 //
 // A coupling is a long row of short stages, each waiting for the one before. So a block of a scene with one carries
 // several environments. Substep by substep it moves their particles, one environment after the other, puts each
-// grid by, and then carries out all couplings side by side, a team of threads each: one works while others wait.
+// grid by, and then carries out all couplings side by side, a team of threads each: one works while others wait. What of a
+// coupling goes item by item is done by all threads when the grid is there again, and what comes after it by the teams,
+// before the next coupling.
 //
 // Stages are the scene's own. Sums are integers, so bits depend neither on who came first nor on who shares a block.
 //
@@ -56,7 +58,7 @@ template <class Scene> class ResidentBlock {
     return (Arena<float>::bytes(nodes) + 15) / 16 * 16;
   }
 
-  // Particles and grids of all environments to substep s. Returns whether there is one with such a substep.
+  // Particles and grids of all environments to substep s. Returns whether there is one that still moves.
   __device__ bool move_all(int s) {
     bool any = false;
     for (std::int64_t env = blockIdx.x; env < launch_.environments; env += gridDim.x)
@@ -76,6 +78,7 @@ template <class Scene> class ResidentBlock {
     if (Coupling::any && s > 0) {
       arena_.velocity.copy(grid.velocity, arena_.count);
       __syncthreads();
+      move_items(launch_, env, arena_.velocity, s - 1);
     }
     Passes const passes{launch_.step, arena_, unit};
     Met met;
@@ -89,18 +92,34 @@ template <class Scene> class ResidentBlock {
       all([&](std::int64_t i) { passes.gather_and_scatter(i, before, now, met); });
     else
       all([&](std::int64_t i) { passes.gather(i, before, met); });
-    if (s > 0) record.note(met.now | lost_bodies(BlockTeam{}, control.env), s - 1);
+    if (s > 0) record.note(met.now, s - 1);
     record.note(met.next, s);
     __syncthreads();
-    if (threadIdx.x == 0) record.close_before(control, s);
+    if constexpr (!Coupling::any) {
+      close(BlockTeam{}, record, control, s);
+      if (!record.moves) {
+        arena_.clear_sums();
+        __syncthreads();
+        return false;
+      }
+    }
+    if (s < clock.substeps) record.note(move_nodes<Move>(grid, Run{0, arena_.count}, now, unit), s);
     __syncthreads();
-    bool const goes_on = record.moves;
-    if (goes_on)
-      record.note(move_nodes<Move>(grid, Run{0, arena_.count}, now, unit), s);
-    else
-      arena_.clear_sums();
-    __syncthreads();
-    return goes_on;
+    return true;
+  }
+  // Counts what the substep before s has met, and ends the step where that was the last or the environment is lost.
+  template <class Team_, class Control>
+  __device__ static void close(Team_ const& team, Record& record, Control const& control, int s) {
+    if (s > 0) record.note(lost_bodies(team, control.env), s - 1);
+    team.sync();
+    team.one([&] { record.close_before(control, s); });
+    team.sync();
+  }
+  // Told little: see couple().
+  __device__ __noinline__ static void move_items(ResidentLaunch<Scene> const& launch,
+                                                 std::int64_t env, Velocities<float> nodes, int s) {
+    Run const all{0, Coupling::items(launch.step, env)};
+    Coupling::run_items(launch.step, env, nodes, launch.records[env].at(s), all);
   }
   // Bounds of the present state, and with them the substeps of this step.
   template <class Control>
@@ -150,10 +169,17 @@ template <class Scene> class ResidentBlock {
                                              char* fast) {
     Record& record = launch.records[env];
     if (!record.moves) return;
-    auto const count = launch.step.lattice.count();
-    record.note(Coupling::run(team, launch.step, env, Velocities<float>{launch.grids + env * count},
-                              record.at(s), fast),
-                s);
+    StepControl const control{launch.step.fields(env)};
+    Velocities<float> const nodes{launch.grids + env * launch.step.lattice.count()};
+    if (s > 0)
+      record.note(Coupling::template run<typename Coupling::After>(team, launch.step, env, nodes,
+                                                                   record.at(s - 1), fast),
+                  s - 1);
+    close(team, record, control, s);
+    if (record.moves)
+      record.note(Coupling::template run<typename Coupling::Before>(team, launch.step, env, nodes,
+                                                                    record.at(s), fast),
+                  s);
   }
 
   ResidentLaunch<Scene> const& launch_;

@@ -128,9 +128,12 @@ template <class Scene, class T> class TiledParticles {
 // A function of its own, so that what it takes does not crowd the particles' registers.
 template <class Scene, class T>
 __device__ __noinline__ void tiled_items(TiledBlock<Scene, T> const& block, int part, int s) {
+  using Coupling = Couple<Scene, T>;
   auto const context = block.record().at(s);
-  Couple<Scene, T>::run_items(block.launch.step, block.env, block.arena().velocity, context,
-                              part * static_cast<int>(blockDim.x));
+  int const first = part * static_cast<int>(blockDim.x), end = first + static_cast<int>(blockDim.x);
+  int const count = Coupling::items(block.launch.step, block.env);
+  Coupling::run_items(block.launch.step, block.env, block.arena().velocity, context,
+                      Run{first, end < count ? end : count});
 }
 
 // Of an environment's parts, the first `parts` of particles. Two blocks or more of a multiprocessor: one adds to its tile
