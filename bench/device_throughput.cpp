@@ -1,15 +1,25 @@
 // What a step of the suturing scene costs on a CUDA device: 20,000 particles, a needle in tissue, a thread of 20 beads.
 //
-// A row per number of environments and substeps; with contact, and without (the surface taken away: tissue, needle and
-// thread move, and do not meet). Milliseconds per step, mean and standard deviation over blocks of steps, and
-// nanoseconds per particle and substep.
-// Usage: bench_device_throughput [resident|tiled] [threads=512] [bodies | ENVIRONMENTS...]
+// Rows of CSV, a step's mean and standard deviation over five blocks of steps. `contents` says what moves: `tissue` alone;
+// `apart`, needle and thread too, which do not meet it (there is no surface); `contact`, all of it.
 //
-// bodies: one environment with larger blocks of tissue instead, without contact.
+// Usage: bench_device_throughput TABLE... [resident|tiled] [threads=512] [ENVIRONMENTS...]
+//
+// environments  2 and 4 substeps, each of the contents, for as many environments
+// bodies        one environment with larger blocks of tissue; needle and thread apart
+// streams       ten environments, dealt out to 1, 2, 4 and 10 runs with a stream each
+// devices       so many environments (1,056) on each device that there is: on one, then on all at once
+// decisions     the step loop of the suturing task, moved at random: a step is a decision, 20 steps of 4 substeps
+#include <cuda_runtime_api.h>
+
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +27,8 @@
 #include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/catalog.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>
+#include <mpmpbd/catalog/suturing_task.hpp>
+#include <mpmpbd/rl/cuda/vector_env.hpp>
 
 namespace {
 
@@ -42,11 +54,21 @@ SuturingConfig config(int substeps, double scale = 1.0) {
   return c;
 }
 
+enum class Contents { tissue, apart, contact };
+constexpr char const* names[] = {"tissue", "apart", "contact"};
+constexpr Contents all_contents[] = {Contents::tissue, Contents::apart, Contents::contact};
+
 // One environment after `steps` of the scripted stitch.
-OnHost stitch(SuturingConfig const& c, int steps, bool contact) {
+OnHost stitch(SuturingConfig const& c, int steps, Contents contents) {
   OnHost run(suturing::options(c));
   suturing::set_up(run, 0, c);
-  if (!contact) suturing::uncouple(run, 0);
+  if (contents != Contents::contact) suturing::uncouple(run, 0);
+  if (contents == Contents::tissue) {
+    run.state().table<Needles>().set_live(0, 0);
+    run.state().table<Beads>().set_live(0, 0);
+    run.state().table<Instances<Swage>>().set_live(0, 0);
+    return run;
+  }
   suturing::ScriptedHand const hand{c.script()};
   double const h = c.time.step;
   for (int s = 0; s < steps; ++s) {
@@ -60,47 +82,162 @@ struct Milliseconds {
   double mean, deviation;
 };
 
-Milliseconds time_of_step(OnDevice& run, double h, int blocks, int steps) {
+// Of step(), repeated; `wait` returns when the devices are done.
+Milliseconds time_of(int steps, std::function<void()> const& step,
+                     std::function<void()> const& wait) {
+  constexpr int blocks = 5;
+  Milliseconds m{0.0, 0.0};
   std::vector<double> ms;
   for (int b = 0; b < blocks; ++b) {
     auto const begun = std::chrono::steady_clock::now();
-    for (int s = 0; s < steps; ++s) run.step_where(h, nullptr);
-    run.wait();
+    for (int s = 0; s < steps; ++s) step();
+    wait();
     std::chrono::duration<double, std::milli> const took = std::chrono::steady_clock::now() - begun;
     ms.push_back(took.count() / steps);
+    m.mean += ms.back() / blocks;
   }
-  Milliseconds m{0.0, 0.0};
-  for (double t : ms) m.mean += t / blocks;
   for (double t : ms) m.deviation += (t - m.mean) * (t - m.mean) / blocks;
   m.deviation = std::sqrt(m.deviation);
   return m;
 }
 
-void measure(SuturingConfig const& c, OnHost const& start, std::int64_t environments, bool contact,
-             Cuda where) {
-  OnDevice run(suturing::options(c, environments), where);
-  for (std::int64_t env = 0; env < environments; ++env)
-    run.state().copy_environment(env, start.state(), 0);
-  run.remember();
-  run.step_where(c.time.step, nullptr);  // the first launch loads the program
-  run.reset();
-  run.wait();
-  auto const m = time_of_step(run, c.time.step, 5, environments > 200 ? 4 : 20);
-  auto const particle_substeps = static_cast<double>(environments) * c.tissue.point_count() *
-                                 static_cast<double>(c.time.substeps);
-  std::printf("| %lld | %d | %d | %.0f | %s | %.4f +- %.4f | %.4f | %u |\n",
-              static_cast<long long>(environments), c.tissue.point_count(), c.time.substeps,
-              c.tissue.density, contact ? "yes" : "no", m.mean, m.deviation,
-              1e6 * m.mean / particle_substeps, run.status(0));
+// What is measured, by one run or several at once.
+struct Case {
+  char const* table;
+  SuturingConfig const& config;
+  OnHost const& start;
+  Contents contents;
+};
+struct Place {
+  Cuda where;
+  std::int64_t environments;
+};
+
+void print(char const* table, char const* form, std::size_t runs, int devices,
+           std::int64_t environments, SuturingConfig const& c, Contents contents, int steps,
+           Milliseconds const& m, unsigned status) {
+  double const particle_substeps = static_cast<double>(environments) * c.tissue.point_count() *
+                                   static_cast<double>(c.time.substeps) * steps;
+  std::printf("%s,%s,%zu,%d,%lld,%d,%d,%.0f,%s,%.4f,%.4f,%.4f,%u\n", table, form, runs, devices,
+              static_cast<long long>(environments), static_cast<int>(c.tissue.point_count()),
+              static_cast<int>(c.time.substeps), c.tissue.density,
+              names[static_cast<int>(contents)], m.mean, m.deviation,
+              1e6 * m.mean / particle_substeps, status);
   std::fflush(stdout);
+}
+
+// A run per place.
+void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
+  std::vector<OnDevice> runs;
+  double const h = c.config.time.step;
+  std::int64_t environments = 0;
+  for (auto const& place : places) {
+    OnDevice& run = runs.emplace_back(suturing::options(c.config, place.environments), place.where);
+    for (std::int64_t env = 0; env < place.environments; ++env)
+      run.state().copy_environment(env, c.start.state(), 0);
+    run.remember();
+    run.step_where(h, nullptr);  // the first launch loads the program
+    run.reset();
+    environments += place.environments;
+  }
+  auto const wait = [&] {
+    for (auto& run : runs) run.wait();
+  };
+  wait();
+  auto const step = [&] {
+    for (auto& run : runs) run.step_where(h, nullptr);
+  };
+  auto const m = time_of(environments > 200 ? 4 : 20, step, wait);
+  unsigned status = 0;
+  for (auto const& run : runs) status |= run.status(0);
+  print(c.table, runs[0].execution().starts_with("resident") ? "resident" : "tiled", runs.size(),
+        devices, environments, c.config, c.contents, 1, m, status);
+}
+
+constexpr int steps_to_tissue = 400;
+
+void environments(std::vector<std::int64_t> counts, Cuda where) {
+  if (counts.empty()) counts = {1, 10, 132, 264, 528, 1056, 2112, 4224};
+  for (int substeps : {2, 4}) {
+    auto const c = config(substeps);
+    for (Contents contents : all_contents) {
+      auto const start = stitch(c, steps_to_tissue, contents);
+      for (auto n : counts) measure({"environments", c, start, contents}, {{where, n}});
+    }
+  }
+}
+
+// 20 and 160 thousand, 1.3 and 4 million particles, before the needle has come near.
+void bodies(Cuda where) {
+  for (double scale : {1.0, 2.0, 4.0, 5.85}) {
+    auto const c = config(4, scale);
+    measure({"bodies", c, stitch(c, 0, Contents::apart), Contents::apart}, {{where, 1}});
+  }
+}
+
+void check(cudaError_t error) {
+  if (error == cudaSuccess) return;
+  std::fprintf(stderr, "%s\n", cudaGetErrorString(error));
+  std::exit(1);
+}
+
+void streams(Cuda where) {
+  auto const c = config(2);
+  for (Contents contents : all_contents) {
+    auto const start = stitch(c, steps_to_tissue, contents);
+    for (int n : {1, 2, 4, 10}) {
+      std::vector<Place> places;
+      for (int i = 0; i < n; ++i) {
+        cudaStream_t stream{};
+        check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
+        places.push_back({where, (10 + i) / n});
+        places.back().where.stream = stream;
+      }
+      measure({"streams", c, start, contents}, places);
+      for (auto const& place : places)
+        check(cudaStreamDestroy(static_cast<cudaStream_t>(place.where.stream)));
+    }
+  }
+}
+
+void devices(std::vector<std::int64_t> const& counts, Cuda where) {
+  int there = 0;
+  check(cudaGetDeviceCount(&there));
+  auto const c = config(4);
+  auto const start = stitch(c, steps_to_tissue, Contents::contact);
+  std::vector<Place> places;
+  for (int d = 0; d < there; ++d) {
+    places.push_back({where, counts.empty() ? 1056 : counts[0]});
+    places.back().where.device = d;
+    if (d == 0 || d + 1 == there) measure({"devices", c, start, Contents::contact}, places, d + 1);
+  }
+}
+
+void decisions(std::vector<std::int64_t> counts, Cuda where) {
+  rl::SuturingTaskConfig c;
+  c.scene = config(4);
+  if (counts.empty()) counts = {1, 132, 1056};
+  for (auto n : counts) {
+    rl::VectorEnv<rl::SuturingTask, Cuda> envs(c, {.num_envs = n}, where);
+    std::vector<float> actions(static_cast<std::size_t>(n) * envs.action_size);
+    for (std::size_t i = 0; i < actions.size(); ++i)
+      actions[i] = std::sin(12.9898f * static_cast<float>(i));
+    envs.step(actions);  // which leaves them in envs.actions()
+    auto const wait = [&] { std::as_const(envs).simulation().wait(); };
+    wait();
+    auto const m = time_of(
+        2, [&] { envs.step_from(envs.actions()); }, wait);
+    print("decisions", "automatic", 1, 1, n, c.scene, Contents::contact,
+          static_cast<int>(c.episode.decision_interval), m, 0);
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   std::vector<std::int64_t> counts;
+  std::vector<std::string> tables;
   Cuda where;
-  bool larger_bodies = false;
   for (int i = 1; i < argc; ++i) {
     std::string_view const word = argv[i];
     if (word == "resident")
@@ -109,30 +246,25 @@ int main(int argc, char** argv) {
       where.execution = Cuda::Execution::tiled;
     else if (word.starts_with("threads="))
       where.threads = std::atoi(argv[i] + 8);
-    else if (word == "bodies")
-      larger_bodies = true;
-    else
+    else if (std::atoll(argv[i]) > 0)
       counts.push_back(std::atoll(argv[i]));
+    else
+      tables.emplace_back(word);
   }
-  constexpr int steps_to_tissue = 400;
-  std::printf(
-      "| environments | particles of each | substeps | density [kg/m^3] | contact | ms per step | ns per particle and substep | status |\n");
-  std::printf("|---|---|---|---|---|---|---|---|\n");
-  if (larger_bodies) {
-    // 20 and 160 thousand, 1.3 and 4 million particles, before the needle has come near.
-    for (double scale : {1.0, 2.0, 4.0, 5.85}) {
-      auto const c = config(4, scale);
-      measure(c, stitch(c, 0, false), 1, false, where);
+  std::map<std::string, std::function<void()>> const known{
+      {"environments", [&] { environments(counts, where); }},
+      {"bodies", [&] { bodies(where); }},
+      {"streams", [&] { streams(where); }},
+      {"devices", [&] { devices(counts, where); }},
+      {"decisions", [&] { decisions(counts, where); }}};
+  for (auto const& table : tables)
+    if (!known.contains(table)) {
+      std::fprintf(stderr, "'%s' is no table: environments, bodies, streams, devices, decisions\n",
+                   table.c_str());
+      return 1;
     }
-    return 0;
-  }
-  if (counts.empty()) counts = {1, 10, 132, 264, 528, 1056, 2112, 4224};
-  for (int substeps : {2, 4}) {
-    auto const c = config(substeps);
-    for (bool contact : {true, false}) {
-      auto const start = stitch(c, steps_to_tissue, contact);
-      for (auto environments : counts) measure(c, start, environments, contact, where);
-    }
-  }
+  std::puts(
+      "table,form,runs,devices,environments,particles,substeps,density,contents,ms,deviation,ns,status");
+  for (auto const& table : tables) known.at(table)();
   return 0;
 }

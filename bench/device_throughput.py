@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""What a step costs on a CUDA device, beside what is published: tables, rows and pictures in docs/results.
+
+Usage: bench/device_throughput.py [--program build/release/bench/bench_device_throughput] [--rows FILE] [--out docs/results]
+
+Runs every table of bench/device_throughput.cpp, resident and tiled, and writes device_throughput.csv; then, from those rows,
+device_throughput.md and device_throughput.png. --rows writes the latter two from rows that were measured elsewhere. A GPU is needed
+for measuring alone, matplotlib for the picture alone. A run takes some five minutes on an H200.
+"""
+import argparse
+import csv
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+RUNS = (
+    ("environments", "resident"),
+    ("environments", "tiled", "1", "10", "132", "264", "528", "1056"),
+    ("bodies", "tiled"),
+    ("streams", "resident"),
+    ("streams", "tiled"),
+    ("devices",),
+    ("decisions",),
+)
+# Milliseconds of the paper's scene by streams: 10 environments of 20,000 particles, 0.004 s, 2 substeps, no pictures.
+PUBLISHED = (
+    ("the paper (RTX 4090)", {"1": 5.85, "2": 2.10, "4": 1.70}),
+    ("CRESSim-MPM 2.2.0 (H200)", {"1": 4.11, "2": 2.52, "4": 1.97, "10": 1.56}),
+)
+# Of an H200: copy [B/s]; for the fused loop bytes and, in ns, its additions and loads in shared memory and its instructions.
+COPY, BYTES, SHARED_PIPE, ISSUE = 4.24e12, 152, 0.042, 0.040
+
+
+def device():
+    query = ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"]
+    return subprocess.run(query, capture_output=True, text=True, check=True).stdout.splitlines()
+
+
+def measure(program, out):
+    gpus = device()
+    rows = []
+    for words in RUNS:
+        print("==", *words, file=sys.stderr, flush=True)
+        text = subprocess.run([program, *words], capture_output=True, text=True, check=True).stdout
+        rows += list(csv.DictReader(text.splitlines()))
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    for row in rows:
+        row["gpu"], row["driver"] = gpus[0].split(", ")
+        row["commit"] = commit or "unknown"
+    with open(out, "w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def table(head, lines):
+    out = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(out + ["| " + " | ".join(map(str, line)) + " |" for line in lines]) + "\n"
+
+
+def time_of(row):
+    return f"{float(row['ms']):.3f} +- {float(row['deviation']):.3f}"
+
+
+class Rows:
+    def __init__(self, rows):
+        self.rows = rows
+
+    def all(self, **words):
+        return [r for r in self.rows if all(r[k] == v for k, v in words.items())]
+
+    def one(self, **words):
+        found = self.all(**words)
+        return found[0] if found else None
+
+
+def streams(rows):
+    counts = ("1", "2", "4", "10")
+    lines = [(name, *(f"{ms[n]:.2f}" if n in ms else "" for n in counts)) for name, ms in PUBLISHED]
+    for form in ("resident", "tiled"):
+        found = [rows.one(table="streams", form=form, contents="contact", runs=n) for n in counts]
+        lines.append((f"mpmpbd, {form}", *(time_of(r) if r else "" for r in found)))
+    return table(("", *(f"{n} streams" if n != "1" else "1 stream" for n in counts)), lines)
+
+
+def components(rows):
+    lines = [("the paper (RTX 4090, 2 streams, 1 of them drawing)", "4.96", "0.63")]
+    for substeps in ("2", "4"):
+        for n, form in (("10", "tiled"), ("10", "resident"), ("1056", "resident"), ("1056", "tiled")):
+            parts = [
+                rows.one(table="environments", form=form, environments=n, substeps=substeps, contents=c)
+                for c in ("tissue", "contact")
+            ]
+            if None in parts:
+                continue
+            tissue, contact = (float(p["ms"]) for p in parts)
+            lines.append((f"{n} environments, {substeps} substeps, {form}", f"{tissue:.3f}", f"{contact - tissue:.3f}"))
+    return table(("", "MPM [ms]", "needle, thread, contact, surface [ms]"), lines)
+
+
+def environments(rows):
+    lines = []
+    for row in rows.all(table="environments"):
+        ns = float(row["ns"])
+        memory = BYTES / COPY * 1e9 / ns
+        lines.append(
+            (row["environments"], row["substeps"], row["density"], row["contents"], row["form"], time_of(row), f"{ns:.4f}")
+            + ((f"{100 * memory:.0f}", f"{100 * SHARED_PIPE / ns:.0f}", f"{100 * ISSUE / ns:.0f}") if ns < 1 else ("", "", ""))
+        )
+    head = ("environments", "substeps", "density [kg/m^3]", "contents", "form", "ms per step", "ns per particle and substep")
+    return table(head + ("of memory [%]", "of shared memory [%]", "of instructions [%]"), lines)
+
+
+def bodies(rows):
+    lines = [(r["particles"], r["form"], time_of(r), f"{float(r['ns']):.4f}") for r in rows.all(table="bodies")]
+    return table(("particles", "form", "ms per step", "ns per particle and substep"), lines)
+
+
+def devices(rows):
+    found = rows.all(table="devices")
+    lines = []
+    for r in found:
+        times = float(found[0]["ns"]) / float(r["ns"])
+        lines.append((r["devices"], r["environments"], time_of(r), f"{float(r['ns']):.4f}", f"{times:.2f}"))
+    return table(("devices", "environments", "ms per step", "ns per particle and substep", "times one"), lines)
+
+
+def decisions(rows):
+    lines = []
+    for r in rows.all(table="decisions"):
+        lines.append((r["environments"], time_of(r), f"{1e3 * float(r['environments']) / float(r['ms']):.0f}"))
+    return table(("environments", "ms per decision of all", "decisions/s"), lines)
+
+
+def plot(rows, path):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.5), dpi=120)
+    colours = {"tissue": "#888888", "apart": "#3b2a9a", "contact": "#b03a2e"}
+    for form, style in (("resident", "-"), ("tiled", "--")):
+        for contents, colour in colours.items():
+            found = rows.all(table="environments", form=form, substeps="4", contents=contents)
+            xs, ys = ([float(r[k]) for r in found] for k in ("environments", "ns"))
+            left.loglog(xs, ys, style, color=colour, marker="o", markersize=3, label=f"{contents}, {form}")
+    left.axhline(1.7, color="black", linewidth=0.8, linestyle=":")
+    left.annotate("best published", (1, 1.7), xytext=(0, 3), textcoords="offset points")
+    left.set_xlabel("environments of 20,000 particles")
+    left.set_ylabel("ns per particle and substep")
+    left.legend(frameon=False, fontsize=8)
+    found = rows.all(table="bodies")
+    xs, ys = ([float(r[k]) for r in found] for k in ("particles", "ns"))
+    right.loglog(xs, ys, "--", color=colours["apart"], marker="o", markersize=3, label="mpmpbd, tiled")
+    right.axhline(1.71, color="black", linewidth=0.8, linestyle=":")
+    right.annotate("CRESSim-MPM, 4 million", (2e4, 1.71), xytext=(0, 3), textcoords="offset points")
+    right.set_xlabel("particles of one body")
+    right.legend(frameon=False, fontsize=8)
+    for axes in (left, right):
+        axes.grid(alpha=0.25, which="both")
+    figure.suptitle(f"A substep on one {rows.rows[0]['gpu']}, float")
+    figure.tight_layout()
+    figure.savefig(path)
+
+
+def write(rows, out):
+    one = rows.rows[0]
+    parts = (
+        "# Throughput on a CUDA device\n",
+        f"{one['gpu']}, driver {one['driver']}, `-arch=sm_90 -O3`, float with 32-bit fixed-point sums, commit {one['commit']}. "
+        "The suturing scene: 20,000 particles\non 26 x 16 x 16 nodes, arc needle, thread of 20 beads, surface, after 400 steps of the "
+        "scripted stitch (the needle is in tissue). A step is 0.004 s.\nWall time from the host; mean and deviation of five blocks of 4 to "
+        "20 steps. What moves: `tissue` alone; `apart`, needle and thread as well, which do\nnot meet it; `contact`, all of it.\n",
+        "Again: `bench/device_throughput.py`, which writes this page, its [rows](device_throughput.csv) and its picture. What was tried "
+        "and where time goes:\n[CUDA on an H200](device.md).\n",
+        "![ns per particle and substep, by environments and by particles](device_throughput.png)\n",
+        "## Ten environments on several streams\n",
+        "Milliseconds per step of 2 substeps, in contact. Ten environments in one run are one launch (resident), or one row of launches; "
+        "streams give nothing\nto add.\n",
+        streams(rows),
+        "## Components\n",
+        components(rows),
+        "## Environments\n",
+        f"Percentages: of the time that {BYTES} B per particle and substep take at {COPY / 1e12} TB/s; that the fused loop's 108 "
+        f"additions and 27 loads take in shared memory ({SHARED_PIPE} ns\nat best); that its instructions take to be issued ({ISSUE} ns).\n",
+        environments(rows),
+        "## One larger body\n",
+        "4 substeps; needle and thread beside it.\n",
+        bodies(rows),
+        "## Several devices\n",
+        "As many environments on each, 4 substeps, in contact, one thread of the host.\n",
+        devices(rows),
+        "## Decisions\n",
+        "The step loop of the suturing task with 20,000 particles, 20 steps of 4 substeps a decision, observations of numbers; random "
+        "actions.\n",
+        decisions(rows),
+    )
+    (out / "device_throughput.md").write_text("\n".join(parts))
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--program", default=ROOT / "build/release/bench/bench_device_throughput")
+    arguments.add_argument("--rows", type=pathlib.Path)
+    arguments.add_argument("--out", type=pathlib.Path, default=ROOT / "docs/results")
+    words = arguments.parse_args()
+    path = words.out / "device_throughput.csv"
+    if words.rows is None:
+        measure(words.program, path)
+    elif words.rows.resolve() != path.resolve():
+        path.write_text(words.rows.read_text())
+    with path.open(newline="") as file:
+        rows = Rows(list(csv.DictReader(file)))
+    write(rows, words.out)
+    try:
+        plot(rows, words.out / "device_throughput.png")
+    except ImportError:
+        print("no matplotlib: no picture", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()
