@@ -219,7 +219,7 @@ void decisions(std::vector<std::int64_t> counts, Cuda where) {
   if (counts.empty()) counts = {1, 132, 1056};
   for (auto n : counts) {
     rl::VectorEnv<rl::SuturingTask, Cuda> envs(c, {.num_envs = n}, where);
-    std::vector<float> actions(static_cast<std::size_t>(n) * envs.action_size);
+    std::vector<float> actions(static_cast<std::size_t>(n) * rl::SuturingTask::Action::size);
     for (std::size_t i = 0; i < actions.size(); ++i)
       actions[i] = std::sin(12.9898f * static_cast<float>(i));
     envs.step(actions);  // which leaves them in envs.actions()

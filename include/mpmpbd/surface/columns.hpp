@@ -115,9 +115,16 @@ template <class T, class Firsts, class Items> struct Columns {
   template <class Group_> MPMPBD_HD void number_items(Group_ const& group) const {
     Piece const mine = group.part(static_cast<int>(columns()));
     int own = 0;
+    // A device has several of them on their way.
+#if defined(__CUDA_ARCH__)
+#pragma unroll 8
+#endif
     for (int c = mine.first; c < mine.end; ++c) own += static_cast<int>(first(c + 1));
     int sum = group.sum_before(own);
     bool const fits = group.sum(own) <= capacity;
+#if defined(__CUDA_ARCH__)
+#pragma unroll 8
+#endif
     for (int c = mine.first; c < mine.end; ++c) {
       int const of_column = static_cast<int>(first(c + 1));
       first.set(c + 1, sum);
