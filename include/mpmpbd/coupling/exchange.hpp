@@ -294,8 +294,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
-  // Offers last substep's impulses again, scaled by the exact minimiser of the energy along them.
-  MPMPBD_HD void warm_start() const {
+  // Thread and needle as they move without tissue.
+  MPMPBD_HD void move_alone() const {
     auto const& t = x.thread_work;
     observe(false);
     team.each(dynamic() ? 6 : 0, [&](int column) {
@@ -314,6 +314,12 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
     solve_alone();
     remember_alone();
+  }
+  // Where none is, that motion is the answer.
+  MPMPBD_HD bool touches_tissue() const { return x.incidence.counters[0] > 0; }
+
+  // Offers last substep's impulses again, scaled by the exact minimiser of the energy along them.
+  MPMPBD_HD void warm_start() const {
     offer();
     solve_offer();
     push_nodes([&](int q) { return x.work[q].J; },
@@ -602,16 +608,19 @@ MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const&
                                  Nodes const& nodes, int sweeps = 2) {
   detail::Exchange<Team_, T, Form, Nodes> const e(team, x, nodes);
   std::uint32_t const faults = e.begin();
-  e.warm_start();
+  e.move_alone();
+  if (e.touches_tissue()) {
+    e.warm_start();
 #if defined(__CUDA_ARCH__)
 #pragma unroll 1
 #endif
-  for (int i = 0; i < sweeps; ++i) {
-    e.observe();
-    e.sweep(i == 0);
+    for (int i = 0; i < sweeps; ++i) {
+      e.observe();
+      e.sweep(i == 0);
+    }
+    e.solve_head();
+    e.guard_energy();
   }
-  e.solve_head();
-  e.guard_energy();
   if (x.scratch->failed != 0) {
     e.give_up();
     return faults | static_cast<std::uint32_t>(Fault::solver);
