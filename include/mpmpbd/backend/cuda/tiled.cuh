@@ -127,27 +127,26 @@ template <class Scene, class T> class TiledParticles {
 
 // A function of its own, so that what it takes does not crowd the particles' registers.
 template <class Scene, class T>
-__device__ __noinline__ void tiled_items(TiledBlock<Scene, T> const& block, int part, int s) {
+__device__ __noinline__ void tiled_items(TiledBlock<Scene, T> const& block, int s) {
   using Coupling = Couple<Scene, T>;
   auto const context = block.record().at(s);
-  int const first = part * static_cast<int>(blockDim.x), end = first + static_cast<int>(blockDim.x);
-  int const count = Coupling::items(block.launch.step, block.env);
   Coupling::run_items(block.launch.step, block.env, block.arena().velocity, context,
-                      Run{first, end < count ? end : count});
+                      block.items(Coupling::items(block.launch.step, block.env)));
 }
 
-// Of an environment's parts, the first `parts` of particles. Two blocks or more of a multiprocessor: one adds to its tile
-// while another meets at a barrier.
+// Of an environment's parts, the last `parts` of particles: items take longest, so they begin first. Two blocks or more of a
+// multiprocessor: one adds to its tile while another meets at a barrier.
 template <class Scene, class T, int threads>
 __global__ void __launch_bounds__(threads, 512 / threads)
     tiled_particles(__grid_constant__ TiledLaunch<Scene, T> const launch, int parts, int item_parts,
                     int s) {
-  auto const block = TiledBlock<Scene, T>::of(launch, parts + item_parts);
+  auto block = TiledBlock<Scene, T>::of(launch, parts + item_parts);
   if (!block.has(s)) return;
-  if (block.part >= parts) {
-    if constexpr (Couple<Scene, T>::ItemWise::size > 0) tiled_items(block, block.part - parts, s);
+  if (block.part < item_parts) {
+    if constexpr (Couple<Scene, T>::ItemWise::size > 0) tiled_items(block, s);
     return;
   }
+  block.part -= item_parts;
   Run const slots = block.particles();
   if (slots.first < slots.end) TiledParticles<Scene, T>::run(block, s);
 }
