@@ -85,7 +85,7 @@ def streams(rows):
 
 
 def components(rows):
-    lines = [("the paper (RTX 4090, 2 streams, 1 of them drawing)", "4.96", "0.63")]
+    lines = [("the paper (RTX 4090, 2 streams, soft body drawn)", "4.96", "0.63")]
     for substeps in ("2", "4"):
         for n, form in (("10", "tiled"), ("10", "resident"), ("1056", "resident"), ("1056", "tiled")):
             parts = [
@@ -122,8 +122,8 @@ def devices(rows):
     lines = []
     for r in found:
         times = float(found[0]["ns"]) / float(r["ns"])
-        lines.append((r["devices"], r["environments"], time_of(r), f"{float(r['ns']):.4f}", f"{times:.2f}"))
-    return table(("devices", "environments", "ms per step", "ns per particle and substep", "times one"), lines)
+        lines.append((r["devices"], r["gpu"], r["environments"], time_of(r), f"{float(r['ns']):.4f}", f"{times:.2f}"))
+    return table(("devices", "of kind", "environments", "ms per step", "ns per particle and substep", "times one"), lines)
 
 
 def decisions(rows):
@@ -131,6 +131,12 @@ def decisions(rows):
     for r in rows.all(table="decisions"):
         lines.append((r["environments"], time_of(r), f"{1e3 * float(r['environments']) / float(r['ms']):.0f}"))
     return table(("environments", "ms per decision of all", "decisions/s"), lines)
+
+
+def note(axes, text, y):
+    axes.axhline(y, color="black", linewidth=0.8, linestyle=":")
+    where = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "ha": "right"}
+    axes.annotate(text, (0.98, y), xytext=(0, 3), **where)
 
 
 def plot(rows, path):
@@ -146,16 +152,14 @@ def plot(rows, path):
             found = rows.all(table="environments", form=form, substeps="4", contents=contents)
             xs, ys = ([float(r[k]) for r in found] for k in ("environments", "ns"))
             left.loglog(xs, ys, style, color=colour, marker="o", markersize=3, label=f"{contents}, {form}")
-    left.axhline(1.7, color="black", linewidth=0.8, linestyle=":")
-    left.annotate("best published", (1, 1.7), xytext=(0, 3), textcoords="offset points")
+    note(left, "best published", 1.7)
     left.set_xlabel("environments of 20,000 particles")
     left.set_ylabel("ns per particle and substep")
     left.legend(frameon=False, fontsize=8)
     found = rows.all(table="bodies")
     xs, ys = ([float(r[k]) for r in found] for k in ("particles", "ns"))
     right.loglog(xs, ys, "--", color=colours["apart"], marker="o", markersize=3, label="mpmpbd, tiled")
-    right.axhline(1.71, color="black", linewidth=0.8, linestyle=":")
-    right.annotate("CRESSim-MPM, 4 million", (2e4, 1.71), xytext=(0, 3), textcoords="offset points")
+    note(right, "CRESSim-MPM, 4 million", 1.71)
     right.set_xlabel("particles of one body")
     right.legend(frameon=False, fontsize=8)
     for axes in (left, right):
@@ -177,8 +181,8 @@ def write(rows, out):
         "and where time goes:\n[CUDA on an H200](device.md).\n",
         "![ns per particle and substep, by environments and by particles](device_throughput.png)\n",
         "## Ten environments on several streams\n",
-        "Milliseconds per step of 2 substeps, in contact. Ten environments in one run are one launch (resident), or one row of launches; "
-        "streams give nothing\nto add.\n",
+        "Milliseconds per step of 2 substeps, in contact. Ten environments in one run are one launch (resident), or one row of launches: "
+        "streams gain nothing.\n",
         streams(rows),
         "## Components\n",
         components(rows),
