@@ -209,6 +209,7 @@ TEST_CASE("at the end of a sweep no point pulls and none that let go goes in", "
     mpmpbd::detail::Exchange<mpmpbd::Solo, double, Stiff, GridNodes<double>> const e(team, x,
                                                                                      nodes);
     REQUIRE(e.begin() == 0u);
+    e.move_alone();
     e.warm_start();
     e.observe();
     e.sweep(true);

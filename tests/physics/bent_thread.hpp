@@ -186,6 +186,7 @@ template <class T, class Form> struct BentThread {
     mpmpbd::Solo const team;
     mpmpbd::detail::Exchange e(team, x, nodes);
     e.begin();
+    e.move_alone();
     e.warm_start();
     for (int i = 0; i < 2; ++i) {
       e.observe();
