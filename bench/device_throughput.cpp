@@ -3,9 +3,9 @@
 // Rows of CSV, a step's mean and standard deviation over five blocks of steps. `contents` says what moves: `tissue` alone;
 // `apart`, needle and thread too, which do not meet it (there is no surface); `contact`, all of it.
 //
-// Usage: bench_device_throughput TABLE... [resident|tiled] [threads=512] [ENVIRONMENTS...]
+// Usage: bench_device_throughput TABLE... [resident|tiled] [threads=512] [tissue] [apart] [contact] [ENVIRONMENTS...]
 //
-// environments  2 and 4 substeps, each of the contents, for as many environments
+// environments  2 and 4 substeps, each of the contents (or those named), for as many environments
 // bodies        one environment with larger blocks of tissue; needle and thread apart
 // streams       ten environments, dealt out to 1, 2, 4 and 10 runs with a stream each
 // devices       so many environments (1,056) on each device that there is: on one, then on all at once
@@ -156,11 +156,12 @@ void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
 
 constexpr int steps_to_tissue = 400;
 
-void environments(std::vector<std::int64_t> counts, Cuda where) {
+void environments(std::vector<std::int64_t> counts, std::vector<Contents> const& contents_of,
+                  Cuda where) {
   if (counts.empty()) counts = {1, 10, 132, 264, 528, 1056, 2112, 4224};
   for (int substeps : {2, 4}) {
     auto const c = config(substeps);
-    for (Contents contents : all_contents) {
+    for (Contents contents : contents_of) {
       auto const start = stitch(c, steps_to_tissue, contents);
       for (auto n : counts) measure({"environments", c, start, contents}, {{where, n}});
     }
@@ -236,11 +237,15 @@ void decisions(std::vector<std::int64_t> counts, Cuda where) {
 
 int main(int argc, char** argv) {
   std::vector<std::int64_t> counts;
+  std::vector<Contents> contents;
   std::vector<std::string> tables;
   Cuda where;
   for (int i = 1; i < argc; ++i) {
     std::string_view const word = argv[i];
-    if (word == "resident")
+    auto const* const name = std::find(std::begin(names), std::end(names), word);
+    if (name != std::end(names))
+      contents.push_back(static_cast<Contents>(name - std::begin(names)));
+    else if (word == "resident")
       where.execution = Cuda::Execution::resident;
     else if (word == "tiled")
       where.execution = Cuda::Execution::tiled;
@@ -251,8 +256,9 @@ int main(int argc, char** argv) {
     else
       tables.emplace_back(word);
   }
+  if (contents.empty()) contents.assign(std::begin(all_contents), std::end(all_contents));
   std::map<std::string, std::function<void()>> const known{
-      {"environments", [&] { environments(counts, where); }},
+      {"environments", [&] { environments(counts, contents, where); }},
       {"bodies", [&] { bodies(where); }},
       {"streams", [&] { streams(where); }},
       {"devices", [&] { devices(counts, where); }},

@@ -22,10 +22,8 @@ template <class T, bool bends>
 void compare(std::mt19937& random, ChainOptions const& o, Errors& worst) {
   auto c = test::random_chain<T, bends>(random, o);
   test::DenseChain<T, bends> const dense(c);
-  auto V = c.r;
-  auto lambda = c.g;
-  auto y = c.y;
-  if (!mpmpbd::factor_chain(c.system(), c.storage())) {
+  auto const solution = test::solve(c);
+  if (!solution.regular) {
     // Refused chains must really be singular: a link that cannot stretch between two held beads.
     Eigen::JacobiSVD<Eigen::MatrixXd> const svd(dense.matrix);
     CAPTURE(svd.singularValues().minCoeff(), o.beads, o.inextensible, int(o.ends));
@@ -33,8 +31,6 @@ void compare(std::mt19937& random, ChainOptions const& o, Errors& worst) {
             100 * mpmpbd::epsilon<T> * svd.singularValues().maxCoeff());
     return;
   }
-  mpmpbd::solve_chain(c.system(), c.storage(), V.data(), lambda.data(), &y);
-
   Eigen::VectorXd const exact = dense.matrix.fullPivLu().solve(dense.rhs);
   Eigen::VectorXd found = exact;
   int const n = c.beads();
@@ -43,18 +39,18 @@ void compare(std::mt19937& random, ChainOptions const& o, Errors& worst) {
     auto const i = static_cast<std::size_t>(k);
     bool const swaged = c.end.swaged && k == n - 1;
     if (!swaged) {
-      found.segment<3>(dense.bead(k)) = test::eigen(V[i]);
+      found.segment<3>(dense.bead(k)) = test::eigen(solution.V[i]);
       speed = std::max(speed, exact.segment<3>(dense.bead(k)).norm());
       worst.velocity = std::max(worst.velocity, (exact - found).segment<3>(dense.bead(k)).norm() /
                                                     std::max(1.0, exact.head(3 * n).norm()));
     }
     if (k + 1 < n) {
-      found(dense.link(k)) = double(lambda[i]);
+      found(dense.link(k)) = double(solution.lambda[i]);
       pull = std::max(pull, std::abs(exact(dense.link(k))));
     }
   }
   if (c.end.present)
-    for (int i = 0; i < 6; ++i) found(dense.body() + i) = double(y[i]);
+    for (int i = 0; i < 6; ++i) found(dense.body() + i) = double(solution.y[i]);
   for (int k = 0; k + 1 < n; ++k)
     worst.impulse =
         std::max(worst.impulse, std::abs((exact - found)(dense.link(k))) / std::max(1.0, pull));
@@ -112,10 +108,9 @@ TEMPLATE_TEST_CASE_SIG("a straight inextensible chain behind a known bead is sol
     auto c = test::random_chain<double, bends>(random, o);
     c.known_bytes[0] = 1;
     test::DenseChain<double, bends> const dense(c);
-    auto V = c.r;
-    auto lambda = c.g;
-    REQUIRE(mpmpbd::factor_chain(c.system(), c.storage()));
-    mpmpbd::solve_chain(c.system(), c.storage(), V.data(), lambda.data());
+    auto const solution = test::solve(c);
+    REQUIRE(solution.regular);
+    auto const& V = solution.V;
     Eigen::VectorXd const exact = dense.matrix.fullPivLu().solve(dense.rhs);
     for (std::size_t k = 0; k < V.size(); ++k)
       REQUIRE((exact.segment<3>(3 * int(k)) - test::eigen(V[k])).norm() < 1e-7 * exact.norm());
@@ -153,7 +148,6 @@ test::RandomChain<float, true> stiff_thread(std::mt19937& random, float bending)
   c.links.resize(n);
   c.known_bytes.assign(n, 0);
   c.g.assign(n, 0.0f);
-  c.factors.resize(n);
   auto heading = mpmpbd::direction(arrow());
   for (std::size_t k = 0; k < n; ++k) {
     bool const held = k > 2 && k < 9, end = k == 0 || k + 1 == n;
@@ -188,13 +182,12 @@ TEST_CASE("in float a light thread keeps its masses however stiffly it bends",
     for (int i = 0; i < 400; ++i) {
       auto c = stiff_thread(random, bending);
       test::DenseChain<float, true> const dense(c);
-      auto V = c.r;
-      auto lambda = c.g;
-      if (!mpmpbd::factor_chain(c.system(), c.storage())) {
+      auto const solution = test::solve(c);
+      if (!solution.regular) {
         ++refused;
         continue;
       }
-      mpmpbd::solve_chain(c.system(), c.storage(), V.data(), lambda.data());
+      auto const& V = solution.V;
       Eigen::VectorXd const exact = dense.matrix.fullPivLu().solve(dense.rhs);
       for (std::size_t k = 0; k < V.size(); ++k)
         worst = std::max(worst, (exact.segment<3>(3 * int(k)) - test::eigen(V[k])).norm() /
@@ -216,7 +209,6 @@ TEST_CASE("float needs the mixed form", "[coupling][chain]") {
   c.links.resize(n);
   c.known_bytes.assign(n, 0);
   c.g.assign(n, 0.0f);
-  c.factors.resize(n);
   c.r.resize(n);
   auto const x = mpmpbd::vec(1.0f, 0.0f, 0.0f);
   for (std::size_t k = 0; k < n; ++k) {
@@ -226,10 +218,8 @@ TEST_CASE("float needs the mixed form", "[coupling][chain]") {
   c.r[0] = -1.0f * x;  // the chain is pulled at one end with 1 and drawn along at the other
   c.r[n - 1] = -10.0f * x;
   c.known_bytes[n - 1] = 1;
-  auto V = c.r;
-  auto lambda = c.g;
-  REQUIRE(mpmpbd::factor_chain(c.system(), c.storage()));
-  mpmpbd::solve_chain(c.system(), c.storage(), V.data(), lambda.data());
+  auto const solution = test::solve(c);
+  REQUIRE(solution.regular);
   test::DenseChain<float, false> const dense(c);
   Eigen::VectorXd const exact = dense.matrix.fullPivLu().solve(dense.rhs);
 
@@ -250,7 +240,7 @@ TEST_CASE("float needs the mixed form", "[coupling][chain]") {
   double mixed = 0, plain = 0;
   for (int k = 0; k + 1 < n; ++k) {
     double const pull = exact(dense.link(k));
-    mixed = std::max(mixed, std::abs(double(lambda[std::size_t(k)]) / pull - 1));
+    mixed = std::max(mixed, std::abs(double(solution.lambda[std::size_t(k)]) / pull - 1));
     plain = std::max(plain, std::abs(double(stiff * (v(k + 1) - v(k))) / pull - 1));
   }
   CAPTURE(mixed, plain);
@@ -265,11 +255,11 @@ TEST_CASE("a singular chain is refused", "[coupling][chain]") {
   o.inextensible = true;
   auto c = test::random_chain<double, false>(random, o);
   c.known_bytes[4] = c.known_bytes[5] = 1;
-  REQUIRE_FALSE(mpmpbd::factor_chain(c.system(), c.storage()));
+  REQUIRE_FALSE(test::solve(c).regular);
 
   auto massless = test::random_chain<double, false>(random, o);
   for (auto& b : massless.blocks) b = {};
-  REQUIRE_FALSE(mpmpbd::factor_chain(massless.system(), massless.storage()));
+  REQUIRE_FALSE(test::solve(massless).regular);
 }
 
 TEST_CASE("chains separated by a gap do not see each other", "[coupling][chain]") {
@@ -280,15 +270,54 @@ TEST_CASE("chains separated by a gap do not see each other", "[coupling][chain]"
   c.links[5] = {{}, 1.0};
   c.g[5] = 0;
   c.blocks[5].U = {};
-  auto const solve = [](auto chain) {
-    REQUIRE(mpmpbd::factor_chain(chain.system(), chain.storage()));
-    mpmpbd::solve_chain(chain.system(), chain.storage(), chain.r.data(), chain.g.data());
-    return chain;
-  };
-  auto const before = solve(c);
+  auto const before = test::solve(c);
   for (std::size_t k = 6; k < c.r.size(); ++k) c.r[k] += mpmpbd::vec(1.0, 2.0, 3.0);
-  auto const after = solve(c);
-  for (std::size_t k = 0; k <= 5; ++k) REQUIRE(before.r[k] == after.r[k]);
-  REQUIRE(before.g[5] == 0.0);
-  for (std::size_t k = 6; k < c.r.size(); ++k) REQUIRE_FALSE(before.r[k] == after.r[k]);
+  auto const after = test::solve(c);
+  for (std::size_t k = 0; k <= 5; ++k) REQUIRE(before.V[k] == after.V[k]);
+  REQUIRE(before.lambda[5] == 0.0);
+  for (std::size_t k = 6; k < c.r.size(); ++k) REQUIRE_FALSE(before.V[k] == after.V[k]);
+}
+
+TEMPLATE_TEST_CASE_SIG("a head eliminated beforehand changes no bit", "[coupling][chain]",
+                       ((bool bends), bends), false, true) {
+  std::mt19937 random(17);
+  for (Ends ends : {Ends::free, Ends::body, Ends::swaged})
+    for (int i = 0; i < 50; ++i) {
+      ChainOptions o;
+      o.ends = ends;
+      auto const c = test::random_chain<double, bends>(random, o);
+      auto const whole = test::solve(c);
+      for (int head = 1; head < o.beads && whole.regular; ++head) {
+        auto const parts = test::solve(c, head);
+        REQUIRE(parts.regular);
+        CAPTURE(head, int(ends));
+        REQUIRE(parts.V == whole.V);
+        REQUIRE(parts.lambda == whole.lambda);
+        REQUIRE(parts.y == whole.y);
+      }
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("several right-hand sides are solved as one alone", "[coupling][chain]",
+                       ((bool bends), bends), false, true) {
+  std::mt19937 random(19);
+  for (Ends ends : {Ends::free, Ends::swaged})
+    for (int i = 0; i < 50; ++i) {
+      ChainOptions o;
+      o.ends = ends;
+      auto c = test::random_chain<double, bends>(random, o);
+      auto const first = test::solve(c);
+      if (!first.regular) continue;
+      auto other = c;
+      for (auto& r : other.r) r = 2.0 * r + mpmpbd::vec(0.1, -0.2, 0.3);
+      other.y = 3.0 * other.y;
+      auto const second = test::solve(other);
+      auto const both = test::solve_all<double, bends>({c, other}, 0);
+      REQUIRE(both[0].V == first.V);
+      REQUIRE(both[1].V == second.V);
+      REQUIRE(both[0].lambda == first.lambda);
+      REQUIRE(both[1].lambda == second.lambda);
+      REQUIRE(both[0].y == first.y);
+      REQUIRE(both[1].y == second.y);
+    }
 }

@@ -11,24 +11,85 @@
 
 namespace test {
 
+// Blocks of a bead's equations: its own, and with the next bead and the next but one.
+template <class T> struct Blocks { mpmpbd::Mat3<T> A, U, W; };
+
 template <class T, bool bends> struct RandomChain {
-  std::vector<mpmpbd::BeadBlocks<T, bends>> blocks;
+  using Rows = mpmpbd::BeadRows<T, bends>;
+  std::vector<Blocks<T>> blocks;
   std::vector<mpmpbd::Link<T>> links;
   std::vector<char> known_bytes;
   std::vector<mpmpbd::Vec3<T>> r;
   std::vector<T> g;
-  std::vector<mpmpbd::BeadFactor<T, bends>> factors;
-  mpmpbd::Mat<T, 7, 7> end_factor{};
   mpmpbd::RigidEnd<T> end{};
   mpmpbd::Vec<T, 6> y{};
 
   int beads() const { return static_cast<int>(blocks.size()); }
   bool const* known() const { return reinterpret_cast<bool const*>(known_bytes.data()); }
-  mpmpbd::ChainSystem<T, bends> system() const {
-    return {beads(), blocks.data(), links.data(), known(), &end};
+  std::vector<Rows> rows() const {
+    std::vector<Rows> all;
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      all.push_back(Rows::between(k > 0 ? links[k - 1] : Rows::no_link(),
+                                  k + 1 < blocks.size() ? links[k] : Rows::no_link()));
+      all.back().add_to_A(blocks[k].A);
+      all.back().add_to_U(blocks[k].U);
+      if constexpr (bends) all.back().add_to_W(blocks[k].W);
+    }
+    return all;
   }
-  mpmpbd::ChainFactors<T, bends> storage() { return {factors.data(), &end_factor}; }
 };
+
+// Velocities, link impulses and the motion of the rigid body.
+template <class T> struct ChainSolution {
+  bool regular;
+  std::vector<mpmpbd::Vec3<T>> V;
+  std::vector<T> lambda;
+  mpmpbd::Vec<T, 6> y;
+};
+
+// Solves a chain for its right-hand side and that of `others`, with a head that is eliminated by itself.
+template <class T, bool bends>
+std::vector<ChainSolution<T>> solve_all(std::vector<RandomChain<T, bends>> const& sides,
+                                        int beads_of_head) {
+  auto const& c = sides.front();
+  auto const n = c.blocks.size();
+  auto const rows = c.rows();
+  std::vector<mpmpbd::Column<T>> columns;
+  std::vector<mpmpbd::Vec<T, 6>> bodies;
+  for (auto const& side : sides) {
+    for (std::size_t k = 0; k < n; ++k)
+      columns.push_back(mpmpbd::Column<T>::of(side.r[k], k > 0 ? side.g[k - 1] : T(0)));
+    bodies.push_back(side.y);
+  }
+  std::vector<mpmpbd::BeadFactor<T, bends>> factors(n);
+  mpmpbd::ChainFront<T, bends> front[2];
+  mpmpbd::EndFactor<T> end;
+  mpmpbd::ChainHead<T, bends> head{beads_of_head, {}};
+  mpmpbd::Solo const lane;
+  mpmpbd::ChainSystem<T, bends> const system{c.beads(), rows.data(), c.known(), &c.end};
+  mpmpbd::ChainSides<T> const all{static_cast<int>(sides.size()), columns.data(), bodies.data()};
+  mpmpbd::ChainWork<T, bends> const work{factors.data(), front, &end};
+  bool const regular = mpmpbd::eliminate_head(lane, system, all, work, head) &&
+                       mpmpbd::eliminate_rest(lane, system, all, work, head);
+  if (regular) {
+    mpmpbd::substitute_rest(lane, system, all, work, beads_of_head);
+    mpmpbd::substitute(lane, system, all, work, 0, beads_of_head);
+  }
+  std::vector<ChainSolution<T>> found(sides.size());
+  for (std::size_t j = 0; j < sides.size(); ++j) {
+    found[j].regular = regular;
+    found[j].y = bodies[j];
+    for (std::size_t k = 0; k < n; ++k) {
+      found[j].V.push_back(columns[j * n + k].bead());
+      found[j].lambda.push_back(k + 1 < n ? columns[j * n + k + 1].link() : T(0));
+    }
+  }
+  return found;
+}
+template <class T, bool bends>
+ChainSolution<T> solve(RandomChain<T, bends> const& c, int beads_of_head = 0) {
+  return solve_all<T, bends>({c}, beads_of_head).front();
+}
 
 enum class Ends { free, body, swaged };
 
@@ -56,7 +117,6 @@ RandomChain<T, bends> random_chain(std::mt19937& random, ChainOptions const& o) 
   c.links.resize(n);
   c.known_bytes.assign(n, 0);
   c.g.assign(n, T(0));
-  c.factors.resize(n);
   c.r.resize(n);
 
   double const mass = log_uniform(o.mass_low, o.mass_high);

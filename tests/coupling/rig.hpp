@@ -187,7 +187,7 @@ double thread_energy(Rig<T, Form>& r, bool after,
   for (int k = 0; k + 1 < r.beads(); ++k) {
     double const c = double(x.thread_work.links[k].compliance),
                  g = double(x.thread_work.gap_speed[k]);
-    double const lambda = double(x.thread_work.trial_impulse[k]);
+    double const lambda = double(x.thread_work.trial[k + 1].link());
     if (c > 0) e += after ? 0.5 * c * lambda * lambda : 0.5 * g * g / c;
   }
   for (std::size_t k = 0; k < joints.size(); ++k) {

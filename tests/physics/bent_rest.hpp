@@ -166,14 +166,15 @@ template <class T> struct BentRest {
     mpmpbd::measure_segments(team, x.thread, x.thread_work, rig.dt);
     mpmpbd::assemble_thread(team, x.thread, x.thread_work, rig.dt);
     auto& t = x.thread_work;
-    mpmpbd::ChainSystem<T, true> const chain{x.thread.beads, t.base, t.links, x.thread.known,
-                                             nullptr};
-    mpmpbd::ChainFactors<T, true> const factors{t.factors, nullptr};
-    if (!mpmpbd::factor_chain(chain, factors)) return;
-    std::vector<Vec3<T>> V(t.inertia, t.inertia + x.thread.beads);
-    std::vector<T> lambda(t.gap_speed, t.gap_speed + x.thread.beads);
-    mpmpbd::solve_chain(chain, factors, V.data(), lambda.data());
-    rig.bead_velocity = V;
+    auto const beads = static_cast<std::size_t>(x.thread.beads);
+    std::vector<mpmpbd::Column<T>> columns;
+    for (std::size_t k = 0; k < beads; ++k)
+      columns.push_back(
+          mpmpbd::Column<T>::of(t.inertia[k], k > 0 ? t.gap_speed[k - 1] : T(0)));
+    mpmpbd::ChainSystem<T, true> const chain{x.thread.beads, t.base, x.thread.known, nullptr};
+    mpmpbd::ChainSides<T> const side{1, columns.data(), nullptr};
+    if (!mpmpbd::solve_chain(team, chain, side, t.chain)) return;
+    for (std::size_t k = 0; k < beads; ++k) rig.bead_velocity[k] = columns[k].bead();
   }
   template <class Form> bool exchange_as(void* memory) {
     mpmpbd::ExchangeView<T, Form> x{};

@@ -6,17 +6,28 @@
 //
 // The mixed form keeps a stiff thread accurate in float: its stiffness enters as the compliance c_k,
 // not as a large number added to masses, and lambda is an unknown, never a small difference of lengths.
-// One pass up the chain eliminates bead k together with the link on its left. That order works for
-// inextensible links (c = 0) behind a bead of known velocity too, where a link has no other pivot.
+//
+// One pass up the chain eliminates bead k together with the link on its left, a pivot P of the four unknowns
+// w_k = (V_k, lambda_{k-1}). That order works for inextensible links (c = 0) behind a bead of known velocity too, where a
+// link has no other pivot. Unknowns that share an equation with them are ahead: V_{k+1}, lambda_k and, where the
+// thread bends, V_{k+2}. With X their columns in the rows of the pivot, elimination leaves Y = P^-1 X and takes X^T Y from
+// the rows ahead. Right-hand sides are columns like the others, and every column is a lane's (multifrontal
+// elimination, Duff and Reid 1983): on a device a warp solves a chain, with one barrier per bead.
 #pragma once
 
 #include <mpmpbd/coupling/dense_solve.hpp>
+#include <mpmpbd/coupling/team.hpp>
 
 namespace mpmpbd {
 
-// The matrix blocks of a bead. W couples it to the next but one and exists only where the thread bends.
-template <class T, bool bends> struct BeadBlocks { Mat3<T> A, U; };
-template <class T> struct BeadBlocks<T, true> { Mat3<T> A, U, W; };
+// Four numbers that a device loads at once: three of a bead and one of the link on its left.
+template <class T> struct alignas(16) Column : Vec<T, 4> {
+  MPMPBD_HD static constexpr Column of(Vec3<T> const& bead, T link) {
+    return {{{bead[0], bead[1], bead[2], link}}};
+  }
+  MPMPBD_HD constexpr Vec3<T> bead() const { return vec(this->m[0], this->m[1], this->m[2]); }
+  MPMPBD_HD constexpr T link() const { return this->m[3]; }
+};
 
 // The link from bead k to k+1. A gap between two threads has direction 0, compliance 1, and U = W = 0.
 template <class T> struct Link {
@@ -24,16 +35,36 @@ template <class T> struct Link {
   T compliance;       // c [1/kg]; 0: inextensible
 };
 
-// What elimination leaves behind for one bead: V = inverse b + edge rho, lambda = edge . b - scale rho,
-// the inverse of the bordered block [A p; p^T -gamma], where p is the left link as this bead feels it.
-template <class T, bool bends> struct BeadFactor {
-  Mat3<T> inverse, U;
-  Vec3<T> edge;
-  T scale;
-};
-template <class T> struct BeadFactor<T, true> : BeadFactor<T, false> {
-  Mat3<T> W;
-  Vec3<T> beyond;  // the left link as the next bead feels it
+// The rows of (V_k, lambda_{k-1}), by columns: the pivot [A p; p^T -c], p the direction of the left link, and what is ahead.
+// The first bead has no left link; c = 1 stands in. W exists only where the thread bends.
+template <class T, bool bends> struct BeadRows {
+  static constexpr int ahead_columns = bends ? 7 : 4;
+  Column<T> pivot[4];
+  Column<T> ahead[ahead_columns];  // [U; 0] of V_{k+1}, [-n; 0] of lambda_k, [W; 0] of V_{k+2}
+
+  // Of a bead between two links. Blocks A, U and W are 0.
+  MPMPBD_HD static BeadRows between(Link<T> const& left, Link<T> const& right) {
+    BeadRows rows{};
+    for (int i = 0; i < 3; ++i) rows.pivot[i][3] = left.direction[i];
+    rows.pivot[3] = Column<T>::of(left.direction, -left.compliance);
+    rows.ahead[3] = Column<T>::of(-right.direction, T(0));
+    return rows;
+  }
+  MPMPBD_HD static constexpr Link<T> no_link() { return {Vec3<T>{}, T(1)}; }
+
+  MPMPBD_HD void add_to_A(Mat3<T> const& block) { add(pivot, block); }
+  MPMPBD_HD void add_to_U(Mat3<T> const& block) { add(ahead, block); }
+  MPMPBD_HD void add_to_W(Mat3<T> const& block)
+    requires bends
+  {
+    add(ahead + 4, block);
+  }
+
+ private:
+  MPMPBD_HD static void add(Column<T>* columns, Mat3<T> const& block) {
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) columns[j][i] += block(i, j);
+  }
 };
 
 // A rigid body that ends the chain: six unknowns, velocity of its reference point and spin.
@@ -46,18 +77,54 @@ template <class T> struct RigidEnd {
 
 template <class T, bool bends> struct ChainSystem {
   int beads;
-  BeadBlocks<T, bends> const* blocks;  // beads
-  Link<T> const* links;                // beads - 1
-  bool const* known;                   // beads; a known velocity leaves the system, its row drops
-  RigidEnd<T> const* end;              // may be null
+  BeadRows<T, bends> const* rows;  // beads
+  bool const* known;               // beads; a known velocity leaves the system, its row drops
+  RigidEnd<T> const* end;          // may be null
 };
 
-template <class T, bool bends> struct ChainFactors {
-  BeadFactor<T, bends>* beads;
-  Mat<T, 7, 7>* end;  // rigid body and the link that ends on it; needed with a rigid end
+// Right-hand sides, later solutions, all of the same matrix. Side j has its columns (r_k, g_{k-1}) from j * beads on: velocity
+// instead of r where that is known. A solution stands there as (V_k, lambda_{k-1}).
+inline constexpr int most_sides = 2;
+template <class T> struct ChainSides {
+  int count;
+  Column<T>* columns;  // count * beads
+  Vec<T, 6>* bodies;   // count; of the rigid body: force, then velocity and spin. Null without one
+};
+
+// What elimination leaves of a bead: Y of the columns ahead, and of the right-hand sides.
+template <class T, bool bends> struct BeadFactor {
+  Column<T> columns[BeadRows<T, bends>::ahead_columns + most_sides];
+};
+
+// What elimination adds to the columns of the next bead's rows (its pivot, then U, then right-hand sides), and of those of
+// the bead beyond (A, and right-hand sides).
+template <class T, bool bends> struct ChainFront {
+  Column<T> next[BeadRows<T, bends>::ahead_columns + most_sides];
+  Column<T> beyond[bends ? 7 + most_sides : 1];
+};
+
+// Rigid body and the link that ends on it.
+template <class T> struct EndFactor {
+  Mat<T, 7, 7> matrix;
+  bool regular;
+};
+
+// Work memory of a solution. Factors stay: of the head of a chain, and for another substitution.
+template <class T, bool bends> struct ChainWork {
+  BeadFactor<T, bends>* factors;  // beads
+  ChainFront<T, bends>* front;    // 2
+  EndFactor<T>* end;              // may be null without a rigid end
 };
 
 namespace detail {
+
+// Inverse of a pivot [A p; p^T -gamma]: [inverse edge; edge^T -scale].
+template <class T> struct PivotInverse {
+  Mat3<T> inverse;
+  Vec3<T> edge;
+  T scale;
+  bool regular;
+};
 
 // Cofactors of a symmetric positive definite matrix, and its determinant, by A = L D L^T: products of pivots.
 // Differences of products of its entries, the usual way, can leave nothing of a small determinant in float (a light
@@ -66,45 +133,65 @@ template <class T> struct Cofactors {
   Mat3<T> matrix;
   T determinant;
 };
+template <class T> MPMPBD_HD constexpr Mat3<T> symmetric(T xx, T yx, T zx, T yy, T zy, T zz) {
+  return {{xx, yx, zx, yx, yy, zy, zx, zy, zz}};
+}
 template <class T> MPMPBD_HD Cofactors<T> definite_cofactors(Mat3<T> const& A) {
   T const least = epsilon<T> * trace(A);
-  T const d1 = max(A(0, 0), least), l21 = A(1, 0) / d1, l31 = A(2, 0) / d1;
+  T const d1 = max(A(0, 0), least), per_d1 = T(1) / d1;
+  T const l21 = A(1, 0) * per_d1, l31 = A(2, 0) * per_d1;
   T const d2 = max(A(1, 1) - l21 * A(1, 0), least), l32 = (A(2, 1) - l31 * A(1, 0)) / d2;
   T const d3 = max(A(2, 2) - l31 * A(2, 0) - l32 * l32 * d2, least);
-  Vec3<T> const m2 = vec(-l21, T(1), T(0)), m3 = vec(l21 * l32 - l31, -l32, T(1));  // rows of L^-1
-  Mat3<T> C = d1 * d3 * outer(m2, m2) + d1 * d2 * outer(m3, m3);
-  C(0, 0) += d2 * d3;
-  return {C, d1 * d2 * d3};
+  T const m31 = l21 * l32 - l31;  // rows of L^-1: (1, 0, 0), (-l21, 1, 0), (m31, -l32, 1)
+  T const d12 = d1 * d2, d13 = d1 * d3, d23 = d2 * d3;
+  return {symmetric(d23 + d13 * l21 * l21 + d12 * m31 * m31, -d13 * l21 - d12 * m31 * l32,
+                    d12 * m31, d13 + d12 * l32 * l32, -d12 * l32, d12),
+          d12 * d3};
 }
 
-// Inverse of [A p; p^T -gamma], gamma >= 0, without subtraction: with C the cofactors of A,
+// [p]x A [p]x^T of a symmetric A.
+template <class T> MPMPBD_HD Mat3<T> crossed(Vec3<T> const& p, Mat3<T> const& A) {
+  Vec3<T> const x = cross(p, vec(A(0, 0), A(1, 0), A(2, 0))),
+                y = cross(p, vec(A(0, 1), A(1, 1), A(2, 1))),
+                z = cross(p, vec(A(0, 2), A(1, 2), A(2, 2)));
+  Vec3<T> const first = cross(p, vec(x[0], y[0], z[0])), second = cross(p, vec(x[1], y[1], z[1]));
+  return symmetric(first[0], first[1], first[2], second[1], second[2],
+                   p[0] * y[2] - p[1] * x[2]);
+}
+
+// Without subtraction, gamma >= 0: with C the cofactors of A,
 //   (A + p p^T / gamma)^-1 = (gamma C + [p]x A [p]x^T) / (gamma det A + p . C p).
 // It stays exact for gamma -> 0 and for a tiny A. A is scaled to trace 1, so that float does not underflow.
-template <class T, bool bends>
-MPMPBD_HD bool invert_bordered(Mat3<T> A, Vec3<T> const& p, T gamma, BeadFactor<T, bends>& f) {
-  T const size = trace(A);
-  if (!(size > T(0)) || !is_finite(size)) return false;
-  A *= T(1) / size;
+template <class T>
+MPMPBD_HD PivotInverse<T> invert_pivot(Mat3<T> A, Vec3<T> const& p, T gamma) {
+  T const size = trace(A), per_size = T(1) / size;
+  A *= per_size;
   gamma *= size;
   auto const [C, det] = definite_cofactors(A);
   Vec3<T> const Cp = C * p;
-  T const denominator = gamma * det + dot(p, Cp);
-  if (!(denominator > square(epsilon<T>) * (gamma + dot(p, p)))) return false;
-  Mat3<T> const cross_p = skew(p);
-  f.inverse = T(1) / (denominator * size) * (gamma * C - cross_p * A * cross_p);
-  f.edge = T(1) / denominator * Cp;
-  f.scale = det / denominator * size;
-  return is_finite(f.inverse) && is_finite(f.scale);
+  T const denominator = gamma * det + dot(p, Cp), per_denominator = T(1) / denominator;
+  PivotInverse<T> f;
+  f.inverse = per_denominator * per_size * (gamma * C + crossed(p, A));
+  f.edge = per_denominator * Cp;
+  f.scale = det * per_denominator * size;
+  f.regular = size > T(0) && is_finite(size) &&
+              denominator > square(epsilon<T>) * (gamma + dot(p, p)) &&
+              is_finite(trace(f.inverse) + f.scale);
+  return f;
 }
 
-// A known bead: its left link alone remains.
-template <class T, bool bends>
-MPMPBD_HD bool border_of_known(Vec3<T> const& p, T gamma, BeadFactor<T, bends>& f) {
-  if (!(gamma > T(0))) return false;  // an inextensible link between two known velocities
-  f.inverse = {};
-  f.scale = T(1) / gamma;
-  f.edge = f.scale * p;
-  return true;
+// A known bead: its left link alone remains. Not regular: an inextensible link between two known velocities.
+template <class T> MPMPBD_HD PivotInverse<T> invert_link(Vec3<T> const& p, T gamma) {
+  T const scale = T(1) / gamma;
+  return {Mat3<T>{}, scale * p, scale, gamma > T(0)};
+}
+
+// What elimination leaves of a stiff block is a small difference. Its unsymmetric part is rounding alone, and grows from
+// bead to bead until it hides the mass of a light one.
+template <class T> MPMPBD_HD Mat3<T> symmetric_part(Column<T> const (&pivot)[4]) {
+  return symmetric(pivot[0][0], T(0.5) * (pivot[0][1] + pivot[1][0]),
+                   T(0.5) * (pivot[0][2] + pivot[2][0]), pivot[1][1],
+                   T(0.5) * (pivot[1][2] + pivot[2][1]), pivot[2][2]);
 }
 
 // The velocity of the swaged bead is R y, R = [I, -[arm]x]: row blocks of R^T.
@@ -137,187 +224,191 @@ MPMPBD_HD bool factor_end(RigidEnd<T> const& end, Mat3<T> const& A, Vec3<T> cons
   return factor_ldlt(m);
 }
 
-// How the elimination of bead k changes the rows after it.
-template <class T, bool bends> struct Carry {
-  Mat3<T> A1{}, A2{}, U1{};  // taken from A_{k+1}, A_{k+2}, U_{k+1}
-  Vec3<T> p{}, p_beyond{};   // link k as beads k+1 and k+2 feel it
-  T gamma = T(1);            // and its own pivot
+// The elimination by a group of lanes.
+template <class Group_, class T, bool bends> struct Elimination {
+  using Rows = BeadRows<T, bends>;
+  using Front = ChainFront<T, bends>;
+  static constexpr int ahead = Rows::ahead_columns;
+
+  Group_ const& group;
+  ChainSystem<T, bends> const& s;
+  ChainSides<T> const& sides;
+  ChainWork<T, bends> const& work;
+
+  MPMPBD_HD int columns() const { return ahead + sides.count; }
+  MPMPBD_HD bool ends_on_body(int k) const {
+    return s.end != nullptr && s.end->present && s.end->swaged && k + 1 == s.beads;
+  }
+
+  // Beads begin ... end - 1, after those that leave `before` (null: none). Leaves its own in `after` if there is a bead to
+  // take it.
+  MPMPBD_HD bool run(int begin, int end, Front const* before, Front* after) const {
+    enter(begin, before);
+    for (int k = begin; k < end; ++k) {
+      group.sync();
+      Front const& front = work.front[k % 2];
+      Column<T> const pivot[4] = {front.next[0], front.next[1], front.next[2], front.next[3]};
+      if (ends_on_body(k)) return solve_end(pivot, front.next + ahead);
+      auto const inverse = s.known[k] ? invert_link(pivot[3].bead(), -pivot[3].link())
+                                      : invert_pivot(symmetric_part(pivot), pivot[3].bead(),
+                                                     -pivot[3].link());
+      if (!inverse.regular) return false;
+      bool const is_last = k + 1 == end;
+      eliminate(k, inverse, front, is_last && after != nullptr ? *after : work.front[(k + 1) % 2],
+                !is_last);
+    }
+    group.sync();
+    return true;
+  }
+
+  // A rigid body; and with it the swaged bead and the link that ends there, what is left of whose rows is given.
+  MPMPBD_HD bool solve_end(Column<T> const (&pivot)[4], Column<T> const* rest) const {
+    RigidEnd<T> const& body = *s.end;
+    group.one([&] {
+      work.end->regular = factor_end(body, symmetric_part(pivot), pivot[3].bead(),
+                                     -pivot[3].link(), work.end->matrix);
+    });
+    group.sync();
+    if (!work.end->regular) return false;
+    group.each(sides.count, [&](int j) {
+      Vec<T, 6>& y = sides.bodies[j];
+      Vec<T, 7> x{};
+      Vec<T, 6> const on_bead =
+          body.swaged ? lift(body.arm, rest[j].bead()) : Vec<T, 6>{};
+      for (int i = 0; i < 6; ++i) x[i] = y[i] + on_bead[i];
+      if (body.swaged) x[6] = rest[j].link();
+      solve_ldlt(work.end->matrix, x);
+      for (int i = 0; i < 6; ++i) y[i] = x[i];
+      if (body.swaged)
+        sides.columns[j * s.beads + s.beads - 1] = Column<T>::of(velocity_at(y, body.arm), x[6]);
+    });
+    group.sync();
+    return true;
+  }
+
+ private:
+  MPMPBD_HD Column<T> const& side(int column, int k) const {
+    return sides.columns[(column - ahead) * s.beads + k];
+  }
+  // Column c of what is left of the rows of bead k, when elimination has added so much. A known velocity stays.
+  MPMPBD_HD Column<T> left_of(int c, int k, Vec<T, 4> added) const {
+    Rows const& rows = s.rows[k];
+    bool const is_side = c >= ahead;
+    Column<T> const& whole = is_side ? side(c, k) : (c < 4 ? rows.pivot[c] : rows.ahead[c - 4]);
+    if (is_side && s.known[k]) added = Column<T>::of(Vec3<T>{}, added[3]);
+    return {whole + added};
+  }
+  MPMPBD_HD void enter(int k, Front const* before) const {
+    Front& front = work.front[k % 2];
+    group.sync();
+    group.each(columns(), [&](int c) {
+      front.next[c] = left_of(c, k, before != nullptr ? before->next[c] : Column<T>{});
+      if constexpr (bends)
+        if (has_beyond(c)) front.beyond[c] = before != nullptr ? before->beyond[c] : Column<T>{};
+    });
+  }
+  // Columns of the bead after next have fill: of A, and right-hand sides.
+  MPMPBD_HD static constexpr bool has_beyond(int c) { return c < 3 || c >= ahead; }
+
+  // Every lane eliminates from its column.
+  MPMPBD_HD void eliminate(int k, PivotInverse<T> const& inverse, Front const& front, Front& after,
+                           bool goes_on) const {
+    Rows const& rows = s.rows[k];
+    bool const known = s.known[k];
+    Column<T> X[ahead];
+    for (int a = 0; a < ahead; ++a) X[a] = bends && a < 3 ? front.next[4 + a] : rows.ahead[a];
+    group.each(columns(), [&](int c) {
+      Column<T> const* mine = c < ahead ? rows.ahead + c : front.next + c;
+      if (bends && c < 3) mine = front.next + 4 + c;
+      Vec3<T> const bead = known && c < ahead ? Vec3<T>{} : mine->bead();
+      T const link = mine->link();
+      auto const Y = Column<T>::of(known ? bead : inverse.inverse * bead + link * inverse.edge,
+                                   dot(inverse.edge, bead) - inverse.scale * link);
+      work.factors[k].columns[c] = Y;
+      Vec<T, 4> added;
+      for (int a = 0; a < 4; ++a) added[a] = -dot(X[a], Y);
+      if constexpr (bends) {
+        if (has_beyond(c)) added += front.beyond[c];
+        int const of = c < ahead ? c - 4 : c;
+        if (of >= 0)
+          after.beyond[of] = Column<T>::of(
+              -vec(dot(X[4].bead(), Y.bead()), dot(X[5].bead(), Y.bead()), dot(X[6].bead(), Y.bead())),
+              T(0));
+      }
+      if (k + 1 < s.beads) after.next[c] = goes_on ? left_of(c, k + 1, added) : Column<T>{added};
+    });
+  }
 };
 
-template <class T, bool bends>
-MPMPBD_HD Carry<T, bends> eliminate(BeadFactor<T, bends> const& f, bool known, Link<T> const& link,
-                                    Carry<T, bends> const& before) {
-  Carry<T, bends> next;
-  Mat3<T> F = f.inverse * f.U;  // V_k = ... - F V_{k+1}
-  next.A1 = transpose(f.U) * F;
-  next.gamma = link.compliance + dot(link.direction, f.inverse * link.direction);
-  if constexpr (bends) {
-    next.A1 += before.A2 - f.scale * outer(f.beyond, f.beyond);
-    if (!known) {  // the left link moves this bead when the next one moves
-      Vec3<T> const Uq = transpose(f.U) * f.edge;
-      F += outer(f.edge, f.beyond);
-      next.A1 += outer(Uq, f.beyond) + outer(f.beyond, Uq);
-    }
-    next.A2 = transpose(f.W) * f.inverse * f.W;
-    next.U1 = transpose(F) * f.W;
-    next.p_beyond = transpose(f.W) * (f.inverse * link.direction);
-  }
-  next.p = link.direction + transpose(F) * link.direction;
-  return next;
-}
-
-// What elimination leaves of a stiff block is a small difference. Its unsymmetric part is rounding alone, and grows from
-// bead to bead until it hides the mass of a light one.
-template <class T> MPMPBD_HD Mat3<T> symmetric_part(Mat3<T> const& A) {
-  return T(0.5) * (A + transpose(A));
-}
 }  // namespace detail
 
 // The first beads of a chain that is solved several times, while only the others change.
 template <class T, bool bends> struct ChainHead {
-  int beads;                        // 0: all may change
-  detail::Carry<T, bends> carry{};  // what their elimination takes from the rows after them
+  int beads;                   // 0: all may change
+  ChainFront<T, bends> front;  // what their elimination adds to the rows after them
 };
 
-namespace detail {
-// Beads begin ... end - 1, from what those before them leave; in the end what they leave themselves.
-template <class T, bool bends>
-MPMPBD_HD bool eliminate_beads(ChainSystem<T, bends> const& s,
-                               ChainFactors<T, bends> const& factors, int begin, int end,
-                               Carry<T, bends>& carry) {
-  bool const swaged = s.end != nullptr && s.end->present && s.end->swaged;
-  for (int k = begin; k < end; ++k) {
-    BeadFactor<T, bends> f{};
-    Mat3<T> const A = symmetric_part(s.blocks[k].A - carry.A1);
-    f.U = s.blocks[k].U - carry.U1;
-    if constexpr (bends) {
-      f.W = s.blocks[k].W;
-      f.beyond = carry.p_beyond;
-    }
-    if (swaged && k == s.beads - 1)
-      return factor_end(*s.end, A, carry.p, carry.gamma, *factors.end);
-    bool const ok = s.known[k] ? border_of_known(carry.p, carry.gamma, f)
-                               : invert_bordered(A, carry.p, carry.gamma, f);
-    if (!ok) return false;
-    factors.beads[k] = f;
-    if (k + 1 < s.beads) carry = eliminate(f, s.known[k], s.links[k], carry);
-  }
-  return true;
+// Eliminates the beads of the head, which leaves its front.
+template <class Group_, class T, bool bends>
+MPMPBD_HD bool eliminate_head(Group_ const& group, ChainSystem<T, bends> const& s,
+                              ChainSides<T> const& sides, ChainWork<T, bends> const& work,
+                              ChainHead<T, bends>& head) {
+  return detail::Elimination<Group_, T, bends>{group, s, sides, work}.run(0, head.beads, nullptr,
+                                                                          &head.front);
 }
-}  // namespace detail
-
-// Eliminates the matrix again after its head, which is as it was.
-template <class T, bool bends>
-MPMPBD_HD bool refactor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
+// And those after it, with the rigid body, whose solution is found already. Returns false when the matrix is singular. In
+// float, with k = dt^2 EI / (l^3 m) of a thread that bends, velocities of its light free ends are off by some k^2 / 1e8.
+template <class Group_, class T, bool bends>
+MPMPBD_HD bool eliminate_rest(Group_ const& group, ChainSystem<T, bends> const& s,
+                              ChainSides<T> const& sides, ChainWork<T, bends> const& work,
                               ChainHead<T, bends> const& head) {
-  detail::Carry<T, bends> carry = head.carry;
-  if (!detail::eliminate_beads(s, factors, head.beads, s.beads, carry)) return false;
+  detail::Elimination<Group_, T, bends> const all{group, s, sides, work};
+  ChainFront<T, bends>* const none = nullptr;
+  if (!all.run(head.beads, s.beads, head.beads > 0 ? &head.front : none, none)) return false;
   bool const alone = s.end != nullptr && s.end->present && !(s.end->swaged && s.beads > 0);
-  return !alone || detail::factor_end(*s.end, Mat3<T>{}, Vec3<T>{}, T(1), *factors.end);
-}
-// Eliminates the matrix. Returns false when it is singular. In float, with k = dt^2 EI / (l^3 m) of a thread that
-// bends, velocities of its light free ends are off by some k^2 / 1e8.
-template <class T, bool bends>
-MPMPBD_HD bool factor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
-                            ChainHead<T, bends>& head) {
-  head.carry = {};
-  return detail::eliminate_beads(s, factors, 0, head.beads, head.carry) &&
-         refactor_chain(s, factors, head);
-}
-template <class T, bool bends>
-MPMPBD_HD bool factor_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors) {
-  ChainHead<T, bends> whole{0};
-  return factor_chain(s, factors, whole);
+  Column<T> const no_rows[4] = {};
+  return !alone || all.solve_end(no_rows, nullptr);
 }
 
-namespace detail {
-
-// Bead k of the forward pass: what its own right-hand side leaves in the rows after it.
-template <class T, bool bends>
-MPMPBD_HD void reduce_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> const f, int k,
-                           Vec3<T>* r, T* g) {
-  T const rho = k > 0 ? g[k - 1] : T(0);
-  Vec3<T> const free = s.known[k] ? r[k] : f.inverse * r[k] + rho * f.edge;
-  g[k] += dot(s.links[k].direction, free);
-  if (!s.known[k + 1]) r[k + 1] -= transpose(f.U) * free;
-  if constexpr (bends) {
-    T const impulse = dot(f.edge, r[k]) - f.scale * rho;
-    if (!s.known[k + 1]) r[k + 1] -= impulse * f.beyond;
-    if (k + 2 < s.beads && !s.known[k + 2]) r[k + 2] -= transpose(f.W) * free;
-  }
-}
-
-// Bead k of the backward pass: its velocity, and the impulse of the link on its left.
-template <class T, bool bends>
-MPMPBD_HD void resolve_bead(ChainSystem<T, bends> const& s, BeadFactor<T, bends> const f, int k,
-                            Vec3<T>* r, T* g) {
-  T rho = k > 0 ? g[k - 1] : T(0);
-  Vec3<T> b = r[k];
-  if (k + 1 < s.beads) {
-    if (!s.known[k]) b += g[k] * s.links[k].direction - f.U * r[k + 1];
-    if constexpr (bends) {
-      rho -= dot(f.beyond, r[k + 1]);
-      if (!s.known[k] && k + 2 < s.beads) b -= f.W * r[k + 2];
+// Solutions of beads end - 1 down to `begin`, when those after them stand there already.
+template <class Group_, class T, bool bends>
+MPMPBD_HD void substitute(Group_ const& group, ChainSystem<T, bends> const& s,
+                          ChainSides<T> const& sides, ChainWork<T, bends> const& work, int begin,
+                          int end) {
+  constexpr int ahead = BeadRows<T, bends>::ahead_columns;
+  group.each(sides.count, [&](int j) {
+    Column<T>* const x = sides.columns + j * s.beads;
+    Column<T> next = end < s.beads ? x[end] : Column<T>{};
+    Column<T> beyond = end + 1 < s.beads ? x[end + 1] : Column<T>{};
+    for (int k = end - 1; k >= begin; --k) {
+      Column<T> const* Y = work.factors[k].columns;
+      Vec<T, 4> mine = Y[ahead + j];
+      if constexpr (bends)
+        for (int a = 0; a < 3; ++a) mine -= beyond[a] * Y[4 + a];
+      for (int a = 0; a < 4; ++a) mine -= next[a] * Y[a];
+      beyond = next;
+      next = x[k] = Column<T>{mine};
     }
-  }
-  if (k > 0) g[k - 1] = dot(f.edge, b) - f.scale * rho;
-  if (!s.known[k]) r[k] = f.inverse * b + rho * f.edge;
+  });
+  group.sync();
+}
+// Of the beads from `begin` on, after eliminate_rest.
+template <class Group_, class T, bool bends>
+MPMPBD_HD void substitute_rest(Group_ const& group, ChainSystem<T, bends> const& s,
+                               ChainSides<T> const& sides, ChainWork<T, bends> const& work,
+                               int begin) {
+  bool const on_body = s.end != nullptr && s.end->present && s.end->swaged;
+  substitute(group, s, sides, work, begin, on_body ? s.beads - 1 : s.beads);
 }
 
-// The rigid body, and with it the swaged bead and the link that ends there.
-template <class T, bool bends>
-MPMPBD_HD void resolve_end(ChainSystem<T, bends> const& s, Mat<T, 7, 7> const& factor, Vec3<T>* r,
-                           T* g, Vec<T, 6>& y) {
-  int const last = s.beads - 1;
-  Vec<T, 7> x{};
-  for (int i = 0; i < 6; ++i) x[i] = y[i];
-  if (s.end->swaged) {
-    Vec<T, 6> const on_bead = lift(s.end->arm, r[last]);
-    for (int i = 0; i < 6; ++i) x[i] += on_bead[i];
-    if (last > 0) x[6] = g[last - 1];
-  }
-  solve_ldlt(factor, x);
-  for (int i = 0; i < 6; ++i) y[i] = x[i];
-  if (!s.end->swaged) return;
-  r[last] = velocity_at(y, s.end->arm);
-  if (last > 0) g[last - 1] = x[6];
-}
-
-}  // namespace detail
-
-// The two passes of a solution with the factors of factor_chain, over some of the beads. In: r = right-hand side (velocity
-// where known), g per link, y = right-hand side of the rigid body. Out: r = velocities, g = link impulses,
-// y = body velocity, spin.
-//
-// Up the chain: beads begin ... end - 1 hand on what their right-hand sides leave.
-template <class T, bool bends>
-MPMPBD_HD void reduce_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
-                            int begin, int end, Vec3<T>* r, T* g) {
-  for (int k = begin; k < min(end, s.beads - 1); ++k)
-    detail::reduce_bead(s, factors.beads[k], k, r, g);
-}
-// And down: the rigid body and the beads from the last one to `first`.
-template <class T, bool bends>
-MPMPBD_HD void resolve_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
-                             int first, Vec3<T>* r, T* g, Vec<T, 6>* y) {
-  bool const has_end = s.end != nullptr && s.end->present;
-  if (has_end) detail::resolve_end(s, *factors.end, r, g, *y);
-  for (int k = s.beads - (has_end && s.end->swaged ? 2 : 1); k >= first; --k)
-    detail::resolve_bead(s, factors.beads[k], k, r, g);
-}
-// The beads before those.
-template <class T, bool bends>
-MPMPBD_HD void resolve_head(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
-                            int first, Vec3<T>* r, T* g) {
-  for (int k = first - 1; k >= 0; --k) detail::resolve_bead(s, factors.beads[k], k, r, g);
-}
-
-// All of it at once.
-template <class T, bool bends>
-MPMPBD_HD void solve_chain(ChainSystem<T, bends> const& s, ChainFactors<T, bends> const& factors,
-                           Vec3<T>* r, T* g, Vec<T, 6>* y = nullptr) {
-  reduce_chain(s, factors, 0, s.beads, r, g);
-  resolve_chain(s, factors, 0, r, g, y);
+// All of it at once. Returns false when the matrix is singular.
+template <class Group_, class T, bool bends>
+MPMPBD_HD bool solve_chain(Group_ const& group, ChainSystem<T, bends> const& s,
+                           ChainSides<T> const& sides, ChainWork<T, bends> const& work) {
+  ChainHead<T, bends> whole{};
+  if (!eliminate_rest(group, s, sides, work, whole)) return false;
+  substitute_rest(group, s, sides, work, 0);
+  return true;
 }
 
 }  // namespace mpmpbd

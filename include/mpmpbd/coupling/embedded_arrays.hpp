@@ -64,8 +64,7 @@ template <class T, class Form> struct EmbeddedArrays {
     aside = cutter.cut<ThreadPlace<T>>(n.triangles > 0 ? 2 * n.beads : 0);
     following =
         cutter.cut<Following>(n.triangles > 0 ? ChannelOrder{n.beads, n.needle_points}.count() : 0);
-    exchange = cutter.cut<double>(static_cast<int>(
-        (exchange_bytes<T, Form>(n.exchange()) + sizeof(double) - 1) / sizeof(double)));
+    exchange = cutter.cut_bytes(exchange_bytes<T, Form>(n.exchange()));
     exchange_fast = cutter.fast_left();
     return cutter;
   }

@@ -115,7 +115,7 @@ template <class In> struct ExchangeImpulses {
     EmbeddedArrays<T, Form> a;
     BodyCounts const n = counts(env, context);
     FastMemory const all{nullptr, ~std::size_t{0}};
-    return a.cut(nullptr, n, all).fast_used + sizeof(double) +
+    return a.cut(nullptr, n, all).fast_used + work_alignment +
            exchange_fast_bytes<T, Form>(n.exchange());
   }
 

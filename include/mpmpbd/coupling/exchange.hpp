@@ -7,7 +7,7 @@
 #pragma once
 
 #include <mpmpbd/core/status.hpp>
-#include <mpmpbd/coupling/exchange_view.hpp>
+#include <mpmpbd/coupling/thread_solve.hpp>
 
 namespace mpmpbd {
 
@@ -22,26 +22,31 @@ enum class Revision { yield, reconsider, settle, release };
 template <class Team_, class T, class Form, class Nodes> struct Exchange {
   using View_ = ExchangeView<T, Form>;
   using Law = ContactLaw<T, typename Form::FrictionLaw, typename Form::DragLaw>;
-  static constexpr bool bends = Form::bends;
 
   Team_ const& team;
   View_ const& x;
   Nodes const& nodes;
   Law law;
+  ThreadSolve<Team_, T, Form> thread;
 
   MPMPBD_HD Exchange(Team_ const& team_, View_ const& x_, Nodes const& nodes_)
-      : team(team_), x(x_), nodes(nodes_), law{x_.dt, x_.friction, x_.drag} {}
+      : team(team_), x(x_), nodes(nodes_), law{x_.dt, x_.friction, x_.drag}, thread{team_, x_} {}
 
   MPMPBD_HD bool dynamic() const { return x.needle->motion == Motion::dynamic; }
 
   // -- the bodies' side -------------------------------------------------------------------------------
 
-  // N V: the body's velocity at point q in the present trial.
+  // N V: the body's velocity at point q in the present trial, and without tissue.
   MPMPBD_HD Vec3<T> body_velocity(int q) const {
+    return body_velocity(q, x.thread_work.trial, x.scratch->body());
+  }
+  MPMPBD_HD Vec3<T> velocity_alone(int q) const {
+    return body_velocity(q, x.thread_work.alone, x.scratch->alone());
+  }
+  MPMPBD_HD Vec3<T> body_velocity(int q, Column<T> const* beads, Vec<T, 6> const& needle) const {
     ContactPoint<T> const& p = x.points[q];
-    if (p.segment < 0) return velocity_at(x.scratch->body, p.position - x.needle->centre);
-    Vec3<T> const* V = x.thread_work.trial;
-    return (1 - p.along) * V[p.segment] + p.along * V[p.segment + 1];
+    if (p.segment < 0) return velocity_at(needle, p.position - x.needle->centre);
+    return (1 - p.along) * beads[p.segment].bead() + p.along * beads[p.segment + 1].bead();
   }
 
   // Calls f(q, share) for the points that act on bead k, in a fixed order.
@@ -57,43 +62,49 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     if (p.segment == k - 1) f(q, p.along);
   }
 
-  MPMPBD_HD Response<T> response(int q) const {
-    PointWork<T> const& w = x.work[q];
-    return law.response(x.points[q], w.hold, w.J, w.D, w.slip_impulse);
-  }
   MPMPBD_HD Vec3<T> apply(Response<T> const& b, int q, Vec3<T> const& a) const {
     Vec3<T> const& d = x.points[q].axis;
     return T(1) / x.work[q].D * (b.isotropic * a + (b.axial * dot(d, a)) * d);
   }
-  MPMPBD_HD Mat3<T> matrix(Response<T> const& b, int q) const {
-    Vec3<T> const& d = x.points[q].axis;
-    return T(1) / x.work[q].D * (b.isotropic * Mat3<T>::identity() + b.axial * outer(d, d));
-  }
-  // B u - J - offset: what the point brings to the right-hand side of its body.
-  MPMPBD_HD Vec3<T> load(Response<T> const& b, int q) const {
-    return apply(b, q, x.work[q].u) - x.work[q].J - b.offset;
+  // How every point answers with its present hold: B, and B u - J - offset.
+  MPMPBD_HD void respond() const {
+    team.each(x.count(), [&](int q) {
+      if (!x.on[q]) return;
+      PointWork<T>& w = x.work[q];
+      Response<T> const b = law.response(x.points[q], w.hold, w.J, w.D, w.slip_impulse);
+      w.response = b;
+      w.load = apply(b, q, w.u) - w.J - b.offset;
+    });
+    team.sync();
   }
 
-  // Thread matrix and right-hand side with the contact of the present holds.
+  // Rows and right-hand side of the thread and the needle with the contact of the present holds. A bead's contact is the
+  // work of three lanes: column c of A and U, and component c of r.
   MPMPBD_HD void assemble_contact() const {
-    auto const& t = x.thread_work;
-    team.each(x.thread.beads, [&](int k) {
-      bool const of_head = k < t.head->beads;
-      t.trial[k] = of_head ? t.reduced[k] : t.inertia[k];
-      t.trial_impulse[k] = of_head ? t.reduced_impulse[k] : t.gap_speed[k];
-      if (of_head) return;
-      t.blocks[k] = t.base[k];
-      for_each_point_of_bead(k, [&](int q, T share) {
-        Response<T> const b = response(q);
-        Mat3<T> const B = matrix(b, q);
-        t.blocks[k].A += square(share) * B;
-        if (x.points[q].segment == k) t.blocks[k].U += (share * (1 - share)) * B;
-        if (!x.thread.known[k]) t.trial[k] += share * load(b, q);
-      });
-    });
+    int const first = thread.head();
+    team.each(3 * (x.thread.beads - first), [&](int i) { assemble_bead(first + i / 3, i % 3); });
     team.each(dynamic() ? 7 : 0, [&](int column) { assemble_needle(column); });
-    reset_kinematic(T(1));
+    reset_kinematic(x.scratch->body(), T(1));
     team.sync();
+  }
+  MPMPBD_HD void assemble_bead(int k, int c) const {
+    auto const& t = x.thread_work;
+    Vec3<T> A{}, U{};
+    T r = t.inertia[k][c];
+    for_each_point_of_bead(k, [&](int q, T share) {
+      PointWork<T> const& w = x.work[q];
+      Vec3<T> const& d = x.points[q].axis;
+      T const per_D = T(1) / w.D;
+      Vec3<T> B = (per_D * w.response.axial * d[c]) * d;
+      B[c] += per_D * w.response.isotropic;
+      A += square(share) * B;
+      if (x.points[q].segment == k) U += (share * (1 - share)) * B;
+      if (!x.thread.known[k]) r += share * w.load[c];
+    });
+    t.rows[k].pivot[c] = {t.base[k].pivot[c] + Column<T>::of(A, T(0))};
+    t.rows[k].ahead[c] = {t.base[k].ahead[c] + Column<T>::of(U, T(0))};
+    t.trial[k][c] = r;
+    if (c == 0) t.trial[k][3] = k > 0 ? t.gap_speed[k - 1] : T(0);
   }
 
   // One column of the dynamic needle's matrix; the seventh is its right-hand side.
@@ -108,12 +119,12 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     for (int q = x.thread_points(); q < x.first_attached(); ++q) {
       if (!x.on[q]) continue;
       Vec3<T> const arm = x.points[q].position - x.needle->centre;
-      Response<T> const b = response(q);
-      Vec3<T> const f = column < 6 ? apply(b, q, velocity_at(unit, arm)) : load(b, q);
+      PointWork<T> const& w = x.work[q];
+      Vec3<T> const f = column < 6 ? apply(w.response, q, velocity_at(unit, arm)) : w.load;
       sum += lift(arm, f);
     }
     if (column == 6)
-      x.scratch->body = sum;
+      x.scratch->body() = sum;
     else
       for (int i = 0; i < 6; ++i) x.scratch->end.matrix(i, column) = sum[i];
   }
@@ -124,86 +135,14 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       for (int i = 0; i < 3; ++i) sum[3 + i] = x.needle->inertia(i, column - 3);
   }
   // A kinematic needle has no unknowns: its velocity is what it is (factor 1) or does not change (0).
-  MPMPBD_HD void reset_kinematic(T factor) const {
+  MPMPBD_HD void reset_kinematic(Vec<T, 6>& body, T factor) const {
     if (dynamic()) return;
     team.one([&] {
       for (int i = 0; i < 3; ++i) {
-        x.scratch->body[i] = factor * x.needle->velocity[i];
-        x.scratch->body[3 + i] = factor * x.needle->spin[i];
+        body[i] = factor * x.needle->velocity[i];
+        body[3 + i] = factor * x.needle->spin[i];
       }
     });
-  }
-
-  MPMPBD_HD ChainSystem<T, bends> chain(BeadBlocks<T, bends> const* blocks) const {
-    return {x.thread.beads, blocks, x.thread_work.links, x.thread.known, &x.scratch->end};
-  }
-  MPMPBD_HD ChainFactors<T, bends> factors() const {
-    return {x.thread_work.factors, &x.scratch->end_factor};
-  }
-  // All solutions are found on one lane: elimination is serial. The beads before the first that meets tissue are the
-  // chain's head. What is known of them is kept; their velocities are found in the end.
-  MPMPBD_HD void find_head() const {
-    team.one([&] {
-      int first = max(x.thread.beads - 1, 0);
-      auto const include = [&](int q) {
-        if (x.on[q]) first = min(first, x.points[q].segment);
-      };
-      for (int q = 0; q < x.thread_points(); ++q) include(q);
-      for (int q = x.first_attached(); q < x.count(); ++q) include(q);
-      x.thread_work.head->beads = first;
-    });
-    team.sync();
-  }
-  // Beads whose rows and the two after it, to which they hand on, are the head's.
-  MPMPBD_HD int reduced_beads() const { return max(x.thread_work.head->beads - 2, 0); }
-
-  // The whole chain, without tissue.
-  MPMPBD_HD void solve_alone() const {
-    team.one([&] {
-      auto const& t = x.thread_work;
-      auto const c = chain(t.base);
-      if (!factor_chain(c, factors(), *t.head)) {
-        x.scratch->failed = 1;
-        return;
-      }
-      reduce_chain(c, factors(), 0, reduced_beads(), t.trial, t.trial_impulse);
-      for (int k = 0; k < t.head->beads; ++k) {
-        t.reduced[k] = t.trial[k];
-        t.reduced_impulse[k] = t.trial_impulse[k];
-      }
-      reduce_chain(c, factors(), reduced_beads(), c.beads, t.trial, t.trial_impulse);
-      resolve_chain(c, factors(), 0, t.trial, t.trial_impulse, &x.scratch->body);
-    });
-    team.sync();
-  }
-  // The beads after the head, with its factors and a right-hand side that is 0 in the head.
-  MPMPBD_HD void solve_offer() const {
-    solve_after_head(chain(x.thread_work.base), x.thread_work.head->beads);
-  }
-  // The beads after the head, with the contact of the present holds.
-  MPMPBD_HD void solve_contact() const {
-    auto const c = chain(x.thread_work.blocks);
-    team.one([&] {
-      if (!refactor_chain(c, factors(), *x.thread_work.head)) x.scratch->failed = 1;
-    });
-    solve_after_head(c, reduced_beads());
-  }
-  MPMPBD_HD void solve_after_head(ChainSystem<T, bends> const& c, int begin) const {
-    auto const& t = x.thread_work;
-    team.one([&] {
-      if (x.scratch->failed != 0) return;
-      reduce_chain(c, factors(), begin, c.beads, t.trial, t.trial_impulse);
-      resolve_chain(c, factors(), t.head->beads, t.trial, t.trial_impulse, &x.scratch->body);
-    });
-    team.sync();
-  }
-  MPMPBD_HD void solve_head() const {
-    auto const& t = x.thread_work;
-    team.one([&] {
-      if (x.scratch->failed == 0)
-        resolve_head(chain(t.base), factors(), t.head->beads, t.trial, t.trial_impulse);
-    });
-    team.sync();
   }
 
   // -- the grid's side --------------------------------------------------------------------------------
@@ -264,7 +203,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
     std::uint32_t const faults =
         connect(team, x.incidence, x.count(), x.on, [&](int q) { return firmness(x.points[q]); });
-    find_head();
+    thread.find_head();
     load_nodes();
     T const scale = x.previous_dt > T(0) ? x.dt / x.previous_dt : T(1);
     team.each(x.thread.beads, [&](int k) { x.thread.impulse[k] *= scale; });
@@ -294,9 +233,10 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
-  // Thread and needle as they move without tissue.
+  // Thread and needle as they move without tissue; where tissue is met, their response to the impulses on offer, too.
   MPMPBD_HD void move_alone() const {
     auto const& t = x.thread_work;
+    bool const offers = touches_tissue();
     observe(false);
     team.each(dynamic() ? 6 : 0, [&](int column) {
       Vec<T, 6> sum{};
@@ -304,24 +244,56 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       for (int i = 0; i < 6; ++i) x.scratch->end.matrix(i, column) = sum[i];
     });
     team.each(x.thread.beads, [&](int k) {
-      t.trial[k] = t.inertia[k];
-      t.trial_impulse[k] = t.gap_speed[k];
+      t.alone[k] = Column<T>::of(t.inertia[k], k > 0 ? t.gap_speed[k - 1] : T(0));
+      t.rows[k] = t.base[k];
     });
     team.one([&] {
-      if (dynamic()) x.scratch->body = x.scratch->momentum;
+      if (dynamic()) x.scratch->alone() = x.scratch->momentum;
     });
-    reset_kinematic(T(1));
+    reset_kinematic(x.scratch->alone(), T(1));
+    if (offers) offer();
     team.sync();
-    solve_alone();
-    remember_alone();
+    thread.solve_alone(offers);
+    if (offers)
+      remember_alone();
+    else
+      stay_alone();
   }
   // Where none is, that motion is the answer.
   MPMPBD_HD bool touches_tissue() const { return x.incidence.counters[0] > 0; }
+  MPMPBD_HD void stay_alone() const {
+    team.each(x.thread.beads, [&](int k) { x.thread_work.trial[k] = x.thread_work.alone[k]; });
+    team.one([&] { x.scratch->body() = x.scratch->alone(); });
+    team.sync();
+  }
+  // The end of a substep without tissue: where every line search starts.
+  MPMPBD_HD void remember_alone() const {
+    team.each(x.count(), [&](int q) {
+      if (x.on[q]) x.work[q].slip = x.work[q].u - velocity_alone(q);
+    });
+    team.sync();
+  }
+
+  // Right-hand side of the response to the offered impulses: -N^T j, everything else at rest.
+  MPMPBD_HD void offer() const {
+    team.each(x.thread.beads, [&](int k) {
+      Vec3<T> r{};
+      if (!x.thread.known[k])
+        for_each_point_of_bead(k, [&](int q, T share) { r -= share * x.work[q].J; });
+      x.thread_work.trial[k] = Column<T>::of(r, T(0));
+    });
+    team.one([&] {
+      if (!dynamic()) return;
+      Vec<T, 6> sum{};
+      for (int q = x.thread_points(); q < x.first_attached(); ++q)
+        if (x.on[q]) sum -= lift(x.points[q].position - x.needle->centre, x.work[q].J);
+      x.scratch->body() = sum;
+    });
+    reset_kinematic(x.scratch->body(), T(0));
+  }
 
   // Offers last substep's impulses again, scaled by the exact minimiser of the energy along them.
   MPMPBD_HD void warm_start() const {
-    offer();
-    solve_offer();
     push_nodes([&](int q) { return x.work[q].J; },
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.change = dv; });
     line_search();
@@ -331,41 +303,6 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       n.velocity += share * n.change;
     });
     team.each(x.count(), [&](int q) { x.work[q].J *= share; });
-    team.sync();
-  }
-
-  // The end of a substep without tissue: where every line search starts.
-  MPMPBD_HD void remember_alone() const {
-    auto const& t = x.thread_work;
-    team.each(x.count(), [&](int q) {
-      if (x.on[q]) x.work[q].slip = x.work[q].u - body_velocity(q);
-    });
-    team.each(x.thread.beads, [&](int k) {
-      t.alone[k] = t.trial[k];
-      t.alone_impulse[k] = t.trial_impulse[k];
-    });
-    team.sync();
-    team.one([&] { x.scratch->alone = x.scratch->body; });
-    team.sync();
-  }
-
-  // Right-hand side of the response to the offered impulses alone: -N^T j, everything else at rest.
-  MPMPBD_HD void offer() const {
-    auto const& t = x.thread_work;
-    team.each(x.thread.beads, [&](int k) {
-      t.trial[k] = {};
-      t.trial_impulse[k] = T(0);
-      if (x.thread.known[k]) return;
-      for_each_point_of_bead(k, [&](int q, T share) { t.trial[k] -= share * x.work[q].J; });
-    });
-    team.one([&] {
-      if (!dynamic()) return;
-      Vec<T, 6> sum{};
-      for (int q = x.thread_points(); q < x.first_attached(); ++q)
-        if (x.on[q]) sum -= lift(x.points[q].position - x.needle->centre, x.work[q].J);
-      x.scratch->body = sum;
-    });
-    reset_kinematic(T(0));
     team.sync();
   }
 
@@ -400,12 +337,13 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   }
 
   MPMPBD_HD void pass() const {
+    respond();
     assemble_contact();
-    solve_contact();
+    thread.solve_contact();
     team.each(x.count(), [&](int q) {
       if (!x.on[q]) return;
-      Response<T> const b = response(q);
-      x.work[q].dJ = b.offset - apply(b, q, x.work[q].u - body_velocity(q));
+      PointWork<T>& w = x.work[q];
+      w.dJ = w.response.offset - apply(w.response, q, w.u - body_velocity(q));
     });
     team.sync();
   }
@@ -428,13 +366,11 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   MPMPBD_HD void adopt(bool all) const {
     team.one([&] {
       x.scratch->revised = 1;
-      for (int q = x.count() - 1; q >= 0; --q) {
-        PointWork<T>& w = x.work[q];
-        bool const wrong = w.next != w.hold;
-        w.hold = w.next;
-        if (wrong && !all) return;
-      }
+      int q = all ? -1 : x.count() - 1;
+      while (q >= 0 && x.work[q].next == x.work[q].hold) --q;
+      if (q >= 0) x.work[q].hold = x.work[q].next;
     });
+    team.each(all ? x.count() : 0, [&](int q) { x.work[q].hold = x.work[q].next; });
     team.sync();
   }
   MPMPBD_HD Hold judged(int q, Revision how) const {
@@ -546,12 +482,13 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       n.velocity = n.start + share * (n.velocity - n.start);
     });
     team.each(x.thread.beads, [&](int k) {
-      t.trial[k] = t.alone[k] + share * (t.trial[k] - t.alone[k]);
-      t.trial_impulse[k] = t.alone_impulse[k] + share * (t.trial_impulse[k] - t.alone_impulse[k]);
+      t.trial[k] = {t.alone[k] + share * (t.trial[k] - t.alone[k])};
     });
     team.each(x.count(), [&](int q) { x.work[q].J *= share; });
-    team.one(
-        [&] { x.scratch->body = x.scratch->alone + share * (x.scratch->body - x.scratch->alone); });
+    team.one([&] {
+      Vec<T, 6> const& alone = x.scratch->alone();
+      x.scratch->body() = alone + share * (x.scratch->body() - alone);
+    });
     team.sync();
   }
   MPMPBD_HD void find_safe_share() const {
@@ -573,14 +510,14 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     store_nodes();
     auto const& t = x.thread_work;
     team.each(x.thread.beads, [&](int k) {
-      x.thread.velocity[k] = t.trial[k];
-      x.thread.position[k] += x.dt * t.trial[k];
-      x.thread.impulse[k] = t.trial_impulse[k];
+      x.thread.velocity[k] = t.trial[k].bead();
+      x.thread.position[k] += x.dt * x.thread.velocity[k];
+      x.thread.impulse[k] = k + 1 < x.thread.beads ? t.trial[k + 1].link() : T(0);
     });
     team.each(x.count(), [&](int q) { x.points[q].impulse = x.on[q] ? x.work[q].J : Vec3<T>{}; });
     team.one([&] {
       if (!dynamic()) return;
-      Vec<T, 6> const& y = x.scratch->body;
+      Vec<T, 6> const& y = x.scratch->body();
       x.needle->velocity = vec(y[0], y[1], y[2]);
       x.needle->spin = vec(y[3], y[4], y[5]);
     });
@@ -618,7 +555,7 @@ MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const&
       e.observe();
       e.sweep(i == 0);
     }
-    e.solve_head();
+    e.thread.solve_head();
     e.guard_energy();
   }
   if (x.scratch->failed != 0) {

@@ -38,20 +38,24 @@ template <class T> struct PointWork {
   Vec3<T> J;     // impulse so far [N s]
   Vec3<T> dJ;    // of the present pass [N s]
   Vec3<T> slip_impulse;  // friction that it slides with [N s]
+  Response<T> response;  // to the present hold
+  Vec3<T> load;          // what it brings to the right-hand side of its body [N s]
   Vec<T, 2> terms;       // what it adds to a sum over points
   Hold hold, next;       // the present one, and what it should be after a trial
 };
 
 template <class T> struct ExchangeScratch {
-  Mat<T, 7, 7> end_factor;
   RigidEnd<T> end;
-  Vec<T, 6> body;      // velocity and spin of the needle in the present trial [m/s, rad/s]
-  Vec<T, 6> momentum;  // the needle's right-hand side without contact [N s, N m s]
-  Vec<T, 6> alone;     // velocity and spin with thread and needle solved without tissue
+  Vec<T, 6> momentum;            // the needle's right-hand side without contact [N s, N m s]
+  Vec<T, 6> bodies[most_sides];  // alone(), body()
   T share;             // of the impulses on offer that is taken
   int changed;         // holds that the last trial found wrong
   int revised;         // whether any was in the whole exchange
   int failed;
+
+  // Velocity and spin of the needle [m/s, rad/s]: with thread and needle solved without tissue, and in the present trial.
+  MPMPBD_HD Vec<T, 6>& alone() { return bodies[0]; }
+  MPMPBD_HD Vec<T, 6>& body() { return bodies[1]; }
 };
 
 // Everything of one environment. Points: one per bead of the thread, then those of the needle, then

@@ -1,4 +1,4 @@
-// The equations of a thread for one substep: inertia, tension, stretch and bending as blocks of the
+// The equations of a thread for one substep: inertia, tension, stretch and bending as rows of the
 // chain solve, each from the shape of the thread at the start of the substep.
 #pragma once
 
@@ -36,24 +36,21 @@ template <class T> struct Joint {
 template <class T, bool bends> struct JointStore {};
 template <class T> struct JointStore<T, true> { Joint<T>* joints; };
 
-// Work arrays of the chain; one entry per bead each.
+// Work arrays of the chain; one entry per bead each, where nothing else is said.
 template <class T, bool bends> struct ThreadWork : JointStore<T, bends> {
-  BeadBlocks<T, bends>* base;    // inertia, tension, bending: kept during the substep
-  BeadBlocks<T, bends>* blocks;  // base + contact of one pass
-  BeadFactor<T, bends>* factors;
+  BeadRows<T, bends>* base;  // inertia, tension, bending: kept during the substep
+  BeadRows<T, bends>* rows;  // base + contact of one pass
   Link<T>* links;
   T* length;         // of segment k
   Vec3<T>* tangent;  // at bead k
   T* gap_speed;      // g of segment k
   Vec3<T>* inertia;  // m v + bending, the right-hand side without contact
-  Vec3<T>* trial;    // right-hand side, then velocities
-  T* trial_impulse;  // g, then link impulses
-  Vec3<T>* alone;    // velocities without tissue
-  T* alone_impulse;  // and link impulses
-  // Beads before the first that meets tissue, and their right-hand sides when the forward pass has gone over them.
-  ChainHead<T, bends>* head;
-  Vec3<T>* reduced;
-  T* reduced_impulse;
+  // Right-hand sides, then velocities and link impulses: those without tissue, and after them those of the present
+  // trial. Two solutions of one elimination are found as one.
+  Column<T>* alone;
+  Column<T>* trial;
+  ChainWork<T, bends> chain;
+  ChainHead<T, bends>* head;  // beads before the first that meets tissue
 };
 
 namespace detail {
@@ -119,10 +116,10 @@ MPMPBD_HD void add_bending(ThreadState<T> const& s, ThreadWork<T, bends> const& 
       int const joint = k + 1 - a;
       if (joint < 1 || joint + 1 >= s.beads) continue;
       Joint<T> const& j = w.joints[joint];
-      w.base[k].A += joint_block(j, a, a, dt);
+      w.base[k].add_to_A(joint_block(j, a, a, dt));
       w.inertia[k] -= dt * j.stiffness * j.excess * j.in_plane[a];
-      if (a < 2) w.base[k].U += joint_block(j, a, a + 1, dt);
-      if (a == 0) w.base[k].W += joint_block(j, 0, 2, dt);
+      if (a < 2) w.base[k].add_to_U(joint_block(j, a, a + 1, dt));
+      if (a == 0) w.base[k].add_to_W(joint_block(j, 0, 2, dt));
     }
   }
 }
@@ -172,16 +169,18 @@ MPMPBD_HD void assemble_thread(Team_ const& team, ThreadState<T> const& s,
     team.sync();
   }
   team.each(s.beads, [&](int k) {
-    BeadBlocks<T, bends>& b = w.base[k];
-    b = {};
-    b.A = s.mass[k] * Mat3<T>::identity();
+    BeadRows<T, bends>& b = w.base[k];
+    b = BeadRows<T, bends>::between(k > 0 ? w.links[k - 1] : BeadRows<T, bends>::no_link(),
+                                    w.links[k]);
+    b.add_to_A(s.mass[k] * Mat3<T>::identity());
     w.inertia[k] = s.mass[k] * s.velocity[k];
     if (detail::is_segment(s, k - 1))
-      b.A += detail::tension_block(s, w.links[k - 1].direction, w.length[k - 1], k - 1, dt);
+      b.add_to_A(
+          detail::tension_block(s, w.links[k - 1].direction, w.length[k - 1], k - 1, dt));
     if (detail::is_segment(s, k)) {
       Mat3<T> const across = detail::tension_block(s, w.links[k].direction, w.length[k], k, dt);
-      b.A += across;
-      b.U -= across;
+      b.add_to_A(across);
+      b.add_to_U(-across);
     }
     detail::add_bending(s, w, dt, k);
     if (s.known[k]) w.inertia[k] = s.velocity[k];

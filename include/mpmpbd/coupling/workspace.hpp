@@ -20,7 +20,10 @@ struct ExchangeCapacity {
   }
 };
 
-// Memory nearer than the rest, such as the shared memory of a device; aligned for double. There may be none, or too
+// What work memory is aligned to: a device loads so many bytes at once.
+inline constexpr std::size_t work_alignment = 16;
+
+// Memory nearer than the rest, such as the shared memory of a device, aligned as work memory is. There may be none, or too
 // little: arrays that do not fit lie elsewhere.
 struct FastMemory {
   char* first = nullptr;
@@ -35,9 +38,15 @@ struct Cutter {
   std::size_t used = 0, fast_used = 0;
 
   template <class U> MPMPBD_HD U* cut(int count) {
+    static_assert(alignof(U) <= work_alignment);
     std::size_t const at = place<U>(used);
     used = at + sizeof(U) * static_cast<std::size_t>(count);
     return array<U>(memory, at);
+  }
+  MPMPBD_HD void* cut_bytes(std::size_t bytes) {
+    std::size_t const at = aligned(used);
+    used = at + aligned(bytes);
+    return array<char>(memory, at);
   }
   // From fast memory while there is room.
   template <class U> MPMPBD_HD U* cut_fast(int count) {
@@ -47,14 +56,17 @@ struct Cutter {
     fast_used = end;
     return array<U>(fast.first, at);
   }
-  // What is left of fast memory, aligned for double.
+  // What is left of fast memory.
   MPMPBD_HD FastMemory fast_left() const {
-    std::size_t const at = place<double>(fast_used);
+    std::size_t const at = aligned(fast_used);
     if (at >= fast.bytes) return {};
     return {array<char>(fast.first, at), fast.bytes - at};
   }
 
  private:
+  MPMPBD_HD static std::size_t aligned(std::size_t from) {
+    return (from + work_alignment - 1) / work_alignment * work_alignment;
+  }
   template <class U> MPMPBD_HD static std::size_t place(std::size_t from) {
     return (from + alignof(U) - 1) / alignof(U) * alignof(U);
   }
@@ -69,21 +81,19 @@ MPMPBD_HD Cutter cut_workspace(char* memory, FastMemory const& fast, ExchangeCap
   Cutter cutter{memory, fast};
   int const per_point = nodes_per_point<typename Form::Shape>, pairs = c.points() * per_point;
   auto& t = x.thread_work;
-  t.base = cutter.cut_fast<BeadBlocks<T, Form::bends>>(c.beads);
-  t.blocks = cutter.cut_fast<BeadBlocks<T, Form::bends>>(c.beads);
-  t.factors = cutter.cut_fast<BeadFactor<T, Form::bends>>(c.beads);
+  t.base = cutter.cut_fast<BeadRows<T, Form::bends>>(c.beads);
+  t.rows = cutter.cut_fast<BeadRows<T, Form::bends>>(c.beads);
+  t.chain.factors = cutter.cut_fast<BeadFactor<T, Form::bends>>(c.beads);
+  t.chain.front = cutter.cut_fast<ChainFront<T, Form::bends>>(2);
+  t.chain.end = cutter.cut_fast<EndFactor<T>>(1);
+  t.head = cutter.cut_fast<ChainHead<T, Form::bends>>(1);
+  t.alone = cutter.cut_fast<Column<T>>(2 * c.beads);
+  t.trial = t.alone != nullptr ? t.alone + c.beads : nullptr;
   t.links = cutter.cut_fast<Link<T>>(c.beads);
   t.length = cutter.cut_fast<T>(c.beads);
   t.tangent = cutter.cut_fast<Vec3<T>>(c.beads);
   t.gap_speed = cutter.cut_fast<T>(c.beads);
   t.inertia = cutter.cut_fast<Vec3<T>>(c.beads);
-  t.trial = cutter.cut_fast<Vec3<T>>(c.beads);
-  t.trial_impulse = cutter.cut_fast<T>(c.beads);
-  t.alone = cutter.cut<Vec3<T>>(c.beads);
-  t.alone_impulse = cutter.cut<T>(c.beads);
-  t.head = cutter.cut_fast<ChainHead<T, Form::bends>>(1);
-  t.reduced = cutter.cut_fast<Vec3<T>>(c.beads);
-  t.reduced_impulse = cutter.cut_fast<T>(c.beads);
   x.scratch = cutter.cut_fast<ExchangeScratch<T>>(1);
   x.work = cutter.cut_fast<PointWork<T>>(c.points());
   x.on = cutter.cut_fast<bool>(c.points());
@@ -116,7 +126,7 @@ MPMPBD_HD std::size_t exchange_fast_bytes(ExchangeCapacity const& c) {
   return detail::cut_workspace<T, Form>(nullptr, all, c, x).fast_used;
 }
 
-// Points the work arrays of x into `memory` (exchange_bytes long, aligned for double), those that are waited for most
+// Points the work arrays of x into `memory` (exchange_bytes long, aligned to work_alignment), those that are waited for most
 // into `fast`. `slot_of_node` has one int per lattice node, all -1 before the first exchange; every exchange leaves
 // it so.
 template <class T, class Form>
