@@ -86,6 +86,18 @@ template <Real T> MPMPBD_HD T atan2(T y, T x) {
   else
     return ::atan2(y, x);
 }
+// 1 / a to an ulp. On a device without the branches of a division: of a float below 2^-126 or above 2^126 it is not finite
+// or 0, and NaN for 0 and infinity.
+template <Real T> MPMPBD_HD T reciprocal(T a) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (sizeof(T) == sizeof(float)) {
+    float near;
+    asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(near) : "f"(a));
+    return ::fmaf(near, ::fmaf(-a, near, 1.0f), near);
+  }
+#endif
+  return T(1) / a;
+}
 template <Real T> MPMPBD_HD bool is_finite(T a) { return a - a == T(0); }
 
 template <class T> MPMPBD_HD constexpr T min(T a, T b) { return b < a ? b : a; }

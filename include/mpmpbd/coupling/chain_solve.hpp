@@ -35,29 +35,35 @@ template <class T> struct Link {
   T compliance;       // c [1/kg]; 0: inextensible
 };
 
-// The rows of (V_k, lambda_{k-1}), by columns: the pivot [A p; p^T -c], p the direction of the left link, and what is ahead.
-// The first bead has no left link; c = 1 stands in. W exists only where the thread bends.
+// The rows of (V_k, lambda_{k-1}), by columns: the pivot [A p; p^T -c], p the direction of the left link, and what is ahead:
+// [U; 0] of V_{k+1}, [-n; 0] of lambda_k and, where the thread bends, [W; 0] of V_{k+2}. The first bead has no left link;
+// c = 1 stands in.
 template <class T, bool bends> struct BeadRows {
-  static constexpr int ahead_columns = bends ? 7 : 4;
-  Column<T> pivot[4];
-  Column<T> ahead[ahead_columns];  // [U; 0] of V_{k+1}, [-n; 0] of lambda_k, [W; 0] of V_{k+2}
+  static constexpr int columns_ahead = bends ? 7 : 4;
+  static constexpr int size = 4 + columns_ahead;
+  Column<T> columns[size];
+
+  MPMPBD_HD Column<T> const* ahead() const { return columns + 4; }
 
   // Of a bead between two links. Blocks A, U and W are 0.
   MPMPBD_HD static BeadRows between(Link<T> const& left, Link<T> const& right) {
     BeadRows rows{};
-    for (int i = 0; i < 3; ++i) rows.pivot[i][3] = left.direction[i];
-    rows.pivot[3] = Column<T>::of(left.direction, -left.compliance);
-    rows.ahead[3] = Column<T>::of(-right.direction, T(0));
+    for (int i = 0; i < 3; ++i) rows.columns[i][3] = left.direction[i];
+    rows.columns[3] = Column<T>::of(left.direction, -left.compliance);
+    rows.columns[7] = Column<T>::of(-right.direction, T(0));
     return rows;
   }
   MPMPBD_HD static constexpr Link<T> no_link() { return {Vec3<T>{}, T(1)}; }
 
-  MPMPBD_HD void add_to_A(Mat3<T> const& block) { add(pivot, block); }
-  MPMPBD_HD void add_to_U(Mat3<T> const& block) { add(ahead, block); }
+  // Column j of blocks A and U.
+  MPMPBD_HD Column<T>& A(int j) { return columns[j]; }
+  MPMPBD_HD Column<T>& U(int j) { return columns[4 + j]; }
+  MPMPBD_HD void add_to_A(Mat3<T> const& block) { add(columns, block); }
+  MPMPBD_HD void add_to_U(Mat3<T> const& block) { add(columns + 4, block); }
   MPMPBD_HD void add_to_W(Mat3<T> const& block)
     requires bends
   {
-    add(ahead + 4, block);
+    add(columns + 8, block);
   }
 
  private:
@@ -93,13 +99,13 @@ template <class T> struct ChainSides {
 
 // What elimination leaves of a bead: Y of the columns ahead, and of the right-hand sides.
 template <class T, bool bends> struct BeadFactor {
-  Column<T> columns[BeadRows<T, bends>::ahead_columns + most_sides];
+  Column<T> columns[BeadRows<T, bends>::columns_ahead + most_sides];
 };
 
 // What elimination adds to the columns of the next bead's rows (its pivot, then U, then right-hand sides), and of those of
 // the bead beyond (A, and right-hand sides).
 template <class T, bool bends> struct ChainFront {
-  Column<T> next[BeadRows<T, bends>::ahead_columns + most_sides];
+  Column<T> next[BeadRows<T, bends>::columns_ahead + most_sides];
   Column<T> beyond[bends ? 7 + most_sides : 1];
 };
 
@@ -118,29 +124,23 @@ template <class T, bool bends> struct ChainWork {
 
 namespace detail {
 
-// Inverse of a pivot [A p; p^T -gamma]: [inverse edge; edge^T -scale].
-template <class T> struct PivotInverse {
-  Mat3<T> inverse;
-  Vec3<T> edge;
-  T scale;
-  bool regular;
-};
+template <class T> MPMPBD_HD constexpr Mat3<T> symmetric(T xx, T yx, T zx, T yy, T zy, T zz) {
+  return {{xx, yx, zx, yx, yy, zy, zx, zy, zz}};
+}
 
-// Cofactors of a symmetric positive definite matrix, and its determinant, by A = L D L^T: products of pivots.
+// Cofactors of a symmetric positive definite matrix of trace 1, and its determinant, by A = L D L^T: products of pivots.
 // Differences of products of its entries, the usual way, can leave nothing of a small determinant in float (a light
 // bead that leans on the tissue in one direction).
 template <class T> struct Cofactors {
   Mat3<T> matrix;
   T determinant;
 };
-template <class T> MPMPBD_HD constexpr Mat3<T> symmetric(T xx, T yx, T zx, T yy, T zy, T zz) {
-  return {{xx, yx, zx, yx, yy, zy, zx, zy, zz}};
-}
 template <class T> MPMPBD_HD Cofactors<T> definite_cofactors(Mat3<T> const& A) {
-  T const least = epsilon<T> * trace(A);
-  T const d1 = max(A(0, 0), least), per_d1 = T(1) / d1;
+  T const least = epsilon<T>;
+  T const d1 = max(A(0, 0), least), per_d1 = reciprocal(d1);
   T const l21 = A(1, 0) * per_d1, l31 = A(2, 0) * per_d1;
-  T const d2 = max(A(1, 1) - l21 * A(1, 0), least), l32 = (A(2, 1) - l31 * A(1, 0)) / d2;
+  T const d2 = max(A(1, 1) - l21 * A(1, 0), least);
+  T const l32 = (A(2, 1) - l31 * A(1, 0)) * reciprocal(d2);
   T const d3 = max(A(2, 2) - l31 * A(2, 0) - l32 * l32 * d2, least);
   T const m31 = l21 * l32 - l31;  // rows of L^-1: (1, 0, 0), (-l21, 1, 0), (m31, -l32, 1)
   T const d12 = d1 * d2, d13 = d1 * d3, d23 = d2 * d3;
@@ -149,50 +149,63 @@ template <class T> MPMPBD_HD Cofactors<T> definite_cofactors(Mat3<T> const& A) {
           d12 * d3};
 }
 
-// [p]x A [p]x^T of a symmetric A.
-template <class T> MPMPBD_HD Mat3<T> crossed(Vec3<T> const& p, Mat3<T> const& A) {
-  Vec3<T> const x = cross(p, vec(A(0, 0), A(1, 0), A(2, 0))),
-                y = cross(p, vec(A(0, 1), A(1, 1), A(2, 1))),
-                z = cross(p, vec(A(0, 2), A(1, 2), A(2, 2)));
-  Vec3<T> const first = cross(p, vec(x[0], y[0], z[0])), second = cross(p, vec(x[1], y[1], z[1]));
-  return symmetric(first[0], first[1], first[2], second[1], second[2],
-                   p[0] * y[2] - p[1] * x[2]);
-}
-
-// Without subtraction, gamma >= 0: with C the cofactors of A,
+// A pivot [A p; p^T -gamma], gamma >= 0, ready to be solved without subtraction: with C the cofactors of A,
 //   (A + p p^T / gamma)^-1 = (gamma C + [p]x A [p]x^T) / (gamma det A + p . C p).
 // It stays exact for gamma -> 0 and for a tiny A. A is scaled to trace 1, so that float does not underflow.
-template <class T>
-MPMPBD_HD PivotInverse<T> invert_pivot(Mat3<T> A, Vec3<T> const& p, T gamma) {
-  T const size = trace(A), per_size = T(1) / size;
-  A *= per_size;
-  gamma *= size;
-  auto const [C, det] = definite_cofactors(A);
-  Vec3<T> const Cp = C * p;
-  T const denominator = gamma * det + dot(p, Cp), per_denominator = T(1) / denominator;
-  PivotInverse<T> f;
-  f.inverse = per_denominator * per_size * (gamma * C + crossed(p, A));
-  f.edge = per_denominator * Cp;
-  f.scale = det * per_denominator * size;
-  f.regular = size > T(0) && is_finite(size) &&
-              denominator > square(epsilon<T>) * (gamma + dot(p, p)) &&
-              is_finite(trace(f.inverse) + f.scale);
-  return f;
-}
+template <class T> struct Pivot {
+  Mat3<T> A, C;
+  Vec3<T> p, edge;
+  T gamma, factor, scale;
+  bool regular;
 
-// A known bead: its left link alone remains. Not regular: an inextensible link between two known velocities.
-template <class T> MPMPBD_HD PivotInverse<T> invert_link(Vec3<T> const& p, T gamma) {
-  T const scale = T(1) / gamma;
-  return {Mat3<T>{}, scale * p, scale, gamma > T(0)};
-}
+  // What elimination leaves of a stiff block is a small difference. Its unsymmetric part is rounding alone, and grows
+  // from bead to bead until it hides the mass of a light one.
+  MPMPBD_HD static Mat3<T> symmetric_part(Column<T> const* columns) {
+    Column<T> const x = columns[0], y = columns[1], z = columns[2];
+    return symmetric(x[0], T(0.5) * (x[1] + y[0]), T(0.5) * (x[2] + z[0]), y[1],
+                     T(0.5) * (y[2] + z[1]), z[2]);
+  }
 
-// What elimination leaves of a stiff block is a small difference. Its unsymmetric part is rounding alone, and grows from
-// bead to bead until it hides the mass of a light one.
-template <class T> MPMPBD_HD Mat3<T> symmetric_part(Column<T> const (&pivot)[4]) {
-  return symmetric(pivot[0][0], T(0.5) * (pivot[0][1] + pivot[1][0]),
-                   T(0.5) * (pivot[0][2] + pivot[2][0]), pivot[1][1],
-                   T(0.5) * (pivot[1][2] + pivot[2][1]), pivot[2][2]);
-}
+  MPMPBD_HD static Pivot of(Column<T> const* columns) {
+    Pivot f;
+    f.A = symmetric_part(columns);
+    Column<T> const left = columns[3];
+    f.p = left.bead();
+    T const size = trace(f.A), per_size = reciprocal(size);
+    f.A *= per_size;
+    f.gamma = -left.link() * size;
+    auto const [C, det] = definite_cofactors(f.A);
+    f.C = C;
+    Vec3<T> const Cp = C * f.p;
+    T const whole = f.gamma * det + dot(f.p, Cp), per_whole = reciprocal(whole);
+    f.factor = per_whole * per_size;
+    f.edge = per_whole * Cp;
+    f.scale = det * per_whole * size;
+    f.regular = size > T(0) && whole > square(epsilon<T>) * (f.gamma + dot(f.p, f.p)) &&
+                is_finite(f.factor) && is_finite(f.scale);
+    return f;
+  }
+  // Of a known bead: its left link alone remains. Not regular: an inextensible link between two known velocities.
+  MPMPBD_HD static Pivot of_link(Column<T> const& left) {
+    Pivot f{};
+    T const gamma = -left.link();
+    f.scale = T(1) / gamma;
+    f.edge = f.scale * left.bead();
+    f.regular = gamma > T(0);
+    return f;
+  }
+
+  // V and lambda.
+  MPMPBD_HD Column<T> solve(Column<T> const& b) const {
+    Vec3<T> const along = cross(p, A * cross(b.bead(), p));
+    return Column<T>::of(factor * (gamma * (C * b.bead()) + along) + b.link() * edge,
+                         dot(edge, b.bead()) - scale * b.link());
+  }
+  // Of a known bead: `V` is its velocity, or 0 in a column of the matrix.
+  MPMPBD_HD Column<T> solve_known(Vec3<T> const& V, T link) const {
+    return Column<T>::of(V, dot(edge, V) - scale * link);
+  }
+};
 
 // The velocity of the swaged bead is R y, R = [I, -[arm]x]: row blocks of R^T.
 template <class T> MPMPBD_HD Vec<T, 6> lift(Vec3<T> const& arm, Vec3<T> const& a) {
@@ -224,11 +237,12 @@ MPMPBD_HD bool factor_end(RigidEnd<T> const& end, Mat3<T> const& A, Vec3<T> cons
   return factor_ldlt(m);
 }
 
-// The elimination by a group of lanes.
+// The elimination by a group of lanes. Column c is a lane's, wherever it stands: of V_{k+1}, lambda_k, V_{k+2} and the sides
+// in the rows of bead k, and what elimination adds to it, which belongs to the next bead's pivot, U and sides.
 template <class Group_, class T, bool bends> struct Elimination {
   using Rows = BeadRows<T, bends>;
   using Front = ChainFront<T, bends>;
-  static constexpr int ahead = Rows::ahead_columns;
+  static constexpr int ahead = Rows::columns_ahead, most_columns = ahead + most_sides;
 
   Group_ const& group;
   ChainSystem<T, bends> const& s;
@@ -236,47 +250,44 @@ template <class Group_, class T, bool bends> struct Elimination {
   ChainWork<T, bends> const& work;
 
   MPMPBD_HD int columns() const { return ahead + sides.count; }
-  MPMPBD_HD bool ends_on_body(int k) const {
-    return s.end != nullptr && s.end->present && s.end->swaged && k + 1 == s.beads;
+  MPMPBD_HD bool ends_on_body() const {
+    return s.end != nullptr && s.end->present && s.end->swaged && s.beads > 0;
   }
 
-  // Beads begin ... end - 1, after those that leave `before` (null: none). Leaves its own in `after` if there is a bead to
-  // take it.
+  // Beads begin ... end - 1, after those that leave `before` (null: none). Leaves its own in `after`, unless that is null.
   MPMPBD_HD bool run(int begin, int end, Front const* before, Front* after) const {
+    int const last = end == s.beads && ends_on_body() ? end - 1 : end;
     enter(begin, before);
-    for (int k = begin; k < end; ++k) {
-      group.sync();
+    for (int k = begin; k < last; ++k) {
       Front const& front = work.front[k % 2];
-      Column<T> const pivot[4] = {front.next[0], front.next[1], front.next[2], front.next[3]};
-      if (ends_on_body(k)) return solve_end(pivot, front.next + ahead);
-      auto const inverse = s.known[k] ? invert_link(pivot[3].bead(), -pivot[3].link())
-                                      : invert_pivot(symmetric_part(pivot), pivot[3].bead(),
-                                                     -pivot[3].link());
-      if (!inverse.regular) return false;
-      bool const is_last = k + 1 == end;
-      eliminate(k, inverse, front, is_last && after != nullptr ? *after : work.front[(k + 1) % 2],
-                !is_last);
+      bool const known = s.known[k];
+      auto const pivot = known ? Pivot<T>::of_link(front.next[3]) : Pivot<T>::of(front.next);
+      if (!pivot.regular) return false;
+      if (k + 1 == end && after != nullptr)
+        eliminate<true>(k, known, pivot, front, *after);
+      else
+        eliminate<false>(k, known, pivot, front, work.front[(k + 1) % 2]);
+      group.sync();
     }
-    group.sync();
-    return true;
+    return last == end || solve_end(work.front[last % 2].next);
   }
 
   // A rigid body; and with it the swaged bead and the link that ends there, what is left of whose rows is given.
-  MPMPBD_HD bool solve_end(Column<T> const (&pivot)[4], Column<T> const* rest) const {
+  MPMPBD_HD bool solve_end(Column<T> const* rest) const {
     RigidEnd<T> const& body = *s.end;
     group.one([&] {
-      work.end->regular = factor_end(body, symmetric_part(pivot), pivot[3].bead(),
-                                     -pivot[3].link(), work.end->matrix);
+      work.end->regular = factor_end(body, Pivot<T>::symmetric_part(rest), rest[3].bead(),
+                                     -rest[3].link(), work.end->matrix);
     });
     group.sync();
     if (!work.end->regular) return false;
     group.each(sides.count, [&](int j) {
       Vec<T, 6>& y = sides.bodies[j];
+      Column<T> const& b = rest[ahead + j];
       Vec<T, 7> x{};
-      Vec<T, 6> const on_bead =
-          body.swaged ? lift(body.arm, rest[j].bead()) : Vec<T, 6>{};
+      Vec<T, 6> const on_bead = body.swaged ? lift(body.arm, b.bead()) : Vec<T, 6>{};
       for (int i = 0; i < 6; ++i) x[i] = y[i] + on_bead[i];
-      if (body.swaged) x[6] = rest[j].link();
+      if (body.swaged) x[6] = b.link();
       solve_ldlt(work.end->matrix, x);
       for (int i = 0; i < 6; ++i) y[i] = x[i];
       if (body.swaged)
@@ -287,14 +298,13 @@ template <class Group_, class T, bool bends> struct Elimination {
   }
 
  private:
-  MPMPBD_HD Column<T> const& side(int column, int k) const {
-    return sides.columns[(column - ahead) * s.beads + k];
-  }
-  // Column c of what is left of the rows of bead k, when elimination has added so much. A known velocity stays.
+  // Columns of the bead after next have fill: of A, and right-hand sides.
+  MPMPBD_HD static constexpr bool has_beyond(int c) { return c < 3 || c >= ahead; }
+
+  // What is left of column c in the rows of bead k, when elimination has added so much. A known velocity stays.
   MPMPBD_HD Column<T> left_of(int c, int k, Vec<T, 4> added) const {
-    Rows const& rows = s.rows[k];
     bool const is_side = c >= ahead;
-    Column<T> const& whole = is_side ? side(c, k) : (c < 4 ? rows.pivot[c] : rows.ahead[c - 4]);
+    Column<T> const whole = is_side ? sides.columns[(c - ahead) * s.beads + k] : s.rows[k].columns[c];
     if (is_side && s.known[k]) added = Column<T>::of(Vec3<T>{}, added[3]);
     return {whole + added};
   }
@@ -306,36 +316,36 @@ template <class Group_, class T, bool bends> struct Elimination {
       if constexpr (bends)
         if (has_beyond(c)) front.beyond[c] = before != nullptr ? before->beyond[c] : Column<T>{};
     });
+    group.sync();
   }
-  // Columns of the bead after next have fill: of A, and right-hand sides.
-  MPMPBD_HD static constexpr bool has_beyond(int c) { return c < 3 || c >= ahead; }
 
-  // Every lane eliminates from its column.
-  MPMPBD_HD void eliminate(int k, PivotInverse<T> const& inverse, Front const& front, Front& after,
-                           bool goes_on) const {
-    Rows const& rows = s.rows[k];
-    bool const known = s.known[k];
+  // Leaves of the next bead's rows what is left of them, or, with `added_alone`, what is added to them.
+  template <bool added_alone>
+  MPMPBD_HD void eliminate(int k, bool known, Pivot<T> const& pivot, Front const& front,
+                           Front& after) const {
+    Column<T> const* rows = s.rows[k].ahead();
     Column<T> X[ahead];
-    for (int a = 0; a < ahead; ++a) X[a] = bends && a < 3 ? front.next[4 + a] : rows.ahead[a];
+    for (int a = 0; a < ahead; ++a) X[a] = bends && a < 3 ? front.next[4 + a] : rows[a];
     group.each(columns(), [&](int c) {
-      Column<T> const* mine = c < ahead ? rows.ahead + c : front.next + c;
-      if (bends && c < 3) mine = front.next + 4 + c;
-      Vec3<T> const bead = known && c < ahead ? Vec3<T>{} : mine->bead();
-      T const link = mine->link();
-      auto const Y = Column<T>::of(known ? bead : inverse.inverse * bead + link * inverse.edge,
-                                   dot(inverse.edge, bead) - inverse.scale * link);
+      bool const from_front = c >= ahead || (bends && c < 3);
+      Column<T> const mine = from_front ? front.next[c < 3 ? 4 + c : c] : rows[c];
+      auto const Y = known ? pivot.solve_known(c < ahead ? Vec3<T>{} : mine.bead(), mine.link())
+                           : pivot.solve(mine);
       work.factors[k].columns[c] = Y;
       Vec<T, 4> added;
       for (int a = 0; a < 4; ++a) added[a] = -dot(X[a], Y);
       if constexpr (bends) {
         if (has_beyond(c)) added += front.beyond[c];
-        int const of = c < ahead ? c - 4 : c;
-        if (of >= 0)
-          after.beyond[of] = Column<T>::of(
-              -vec(dot(X[4].bead(), Y.bead()), dot(X[5].bead(), Y.bead()), dot(X[6].bead(), Y.bead())),
-              T(0));
+        if (c >= 4)
+          after.beyond[c < ahead ? c - 4 : c] =
+              Column<T>::of(-vec(dot(X[4].bead(), Y.bead()), dot(X[5].bead(), Y.bead()),
+                                 dot(X[6].bead(), Y.bead())),
+                            T(0));
       }
-      if (k + 1 < s.beads) after.next[c] = goes_on ? left_of(c, k + 1, added) : Column<T>{added};
+      if constexpr (added_alone)
+        after.next[c] = {added};
+      else if (k + 1 < s.beads)
+        after.next[c] = left_of(c, k + 1, added);
     });
   }
 };
@@ -366,28 +376,35 @@ MPMPBD_HD bool eliminate_rest(Group_ const& group, ChainSystem<T, bends> const& 
   ChainFront<T, bends>* const none = nullptr;
   if (!all.run(head.beads, s.beads, head.beads > 0 ? &head.front : none, none)) return false;
   bool const alone = s.end != nullptr && s.end->present && !(s.end->swaged && s.beads > 0);
-  Column<T> const no_rows[4] = {};
-  return !alone || all.solve_end(no_rows, nullptr);
+  Column<T> const no_rows[BeadRows<T, bends>::columns_ahead + most_sides] = {};
+  return !alone || all.solve_end(no_rows);
 }
+
+namespace detail {
+// a - s b. By value, so that a device loads b at once.
+template <class T> MPMPBD_HD Column<T> less(Column<T> const& a, T s, Column<T> const b) {
+  return {a - s * b};
+}
+}  // namespace detail
 
 // Solutions of beads end - 1 down to `begin`, when those after them stand there already.
 template <class Group_, class T, bool bends>
 MPMPBD_HD void substitute(Group_ const& group, ChainSystem<T, bends> const& s,
                           ChainSides<T> const& sides, ChainWork<T, bends> const& work, int begin,
                           int end) {
-  constexpr int ahead = BeadRows<T, bends>::ahead_columns;
+  constexpr int ahead = BeadRows<T, bends>::columns_ahead;
   group.each(sides.count, [&](int j) {
     Column<T>* const x = sides.columns + j * s.beads;
     Column<T> next = end < s.beads ? x[end] : Column<T>{};
     Column<T> beyond = end + 1 < s.beads ? x[end + 1] : Column<T>{};
     for (int k = end - 1; k >= begin; --k) {
       Column<T> const* Y = work.factors[k].columns;
-      Vec<T, 4> mine = Y[ahead + j];
+      Column<T> mine = Y[ahead + j];
       if constexpr (bends)
-        for (int a = 0; a < 3; ++a) mine -= beyond[a] * Y[4 + a];
-      for (int a = 0; a < 4; ++a) mine -= next[a] * Y[a];
+        for (int a = 0; a < 3; ++a) mine = detail::less(mine, beyond[a], Y[4 + a]);
+      for (int a = 0; a < 4; ++a) mine = detail::less(mine, next[a], Y[a]);
       beyond = next;
-      next = x[k] = Column<T>{mine};
+      next = x[k] = mine;
     }
   });
   group.sync();

@@ -64,7 +64,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 
   MPMPBD_HD Vec3<T> apply(Response<T> const& b, int q, Vec3<T> const& a) const {
     Vec3<T> const& d = x.points[q].axis;
-    return T(1) / x.work[q].D * (b.isotropic * a + (b.axial * dot(d, a)) * d);
+    return x.work[q].per_D * (b.isotropic * a + (b.axial * dot(d, a)) * d);
   }
   // How every point answers with its present hold: B, and B u - J - offset.
   MPMPBD_HD void respond() const {
@@ -94,15 +94,14 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     for_each_point_of_bead(k, [&](int q, T share) {
       PointWork<T> const& w = x.work[q];
       Vec3<T> const& d = x.points[q].axis;
-      T const per_D = T(1) / w.D;
-      Vec3<T> B = (per_D * w.response.axial * d[c]) * d;
-      B[c] += per_D * w.response.isotropic;
+      Vec3<T> B = (w.per_D * w.response.axial * d[c]) * d;
+      B[c] += w.per_D * w.response.isotropic;
       A += square(share) * B;
       if (x.points[q].segment == k) U += (share * (1 - share)) * B;
       if (!x.thread.known[k]) r += share * w.load[c];
     });
-    t.rows[k].pivot[c] = {t.base[k].pivot[c] + Column<T>::of(A, T(0))};
-    t.rows[k].ahead[c] = {t.base[k].ahead[c] + Column<T>::of(U, T(0))};
+    t.rows[k].A(c) = {t.base[k].A(c) + Column<T>::of(A, T(0))};
+    t.rows[k].U(c) = {t.base[k].U(c) + Column<T>::of(U, T(0))};
     t.trial[k][c] = r;
     if (c == 0) t.trial[k][3] = k > 0 ? t.gap_speed[k - 1] : T(0);
   }
@@ -214,6 +213,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       T const firm = firmness(x.points[q]), D = splitting(x.incidence, q);
       w.compliance = D * (T(1) / firm - T(1));
       w.D = D / firm + w.compliance;
+      w.per_D = T(1) / w.D;
       w.J = law.carried(x.points[q], scale * x.points[q].impulse);
       w.hold = Hold::open;
     });

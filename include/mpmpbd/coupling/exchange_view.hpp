@@ -32,6 +32,7 @@ template <class T> struct RigidBody {
 // Scratch of one point.
 template <class T> struct PointWork {
   T D;           // splitting, and compliance: velocity at the contact per impulse [1/kg]
+  T per_D;       // [kg]
   T compliance;  // of a contact that is not firm [1/kg]
   Vec3<T> slip;  // before the exchange, with the thread solved alone [m/s]
   Vec3<T> u;     // tissue velocity there, and what the contact gives way, before a sweep [m/s]
