@@ -90,8 +90,6 @@ class Block {
     unsigned const self = threadIdx.x;
     swapcontext(&fibers_[self].context, &scheduler_);
   }
-  // Lets other threads go on.
-  void yield() { swapcontext(&fibers_[threadIdx.x].context, &scheduler_); }
   // Whether any thread brings something else than 0.
   bool any(bool value) {
     auto const all_are_here = [this] { wait(0, static_cast<unsigned>(fibers_.size())); };
@@ -200,7 +198,6 @@ inline void __barrier_sync_count(unsigned id, unsigned count) {
   emulated::Block::running()->wait(id, count);
 }
 inline void __threadfence_block() {}
-inline void __nanosleep(unsigned) { emulated::Block::running()->yield(); }
 inline void __syncwarp(unsigned) { emulated::Block::running()->gather(0); }
 inline int __shfl_sync(unsigned, int value, int lane) {
   return emulated::Block::running()->gather(value)(static_cast<unsigned>(lane));

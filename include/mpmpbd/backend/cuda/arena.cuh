@@ -71,9 +71,10 @@ template <class T> struct Velocities {
   }
   __device__ T mass(int n) const { return data[n].w; }
 
-  // By the first `step` threads of the block, several loads of each on their way.
-  __device__ void copy(Velocities const& from, int count, int step) const {
+  // By all threads of the block, several loads of each on their way.
+  __device__ void copy(Velocities const& from, int count) const {
     constexpr int some = 4;
+    int const step = static_cast<int>(blockDim.x);
     int i = static_cast<int>(threadIdx.x);
     for (; i + (some - 1) * step < count; i += some * step) {
       Four loaded[some];
@@ -107,7 +108,7 @@ template <class T> struct Arena {
     return {{velocities}, reinterpret_cast<Integer*>(velocities + count), count};
   }
   __device__ void clear_sums() const {
-    Run::by_all(0, 4 * count).each([&](int i) { sums[i] = 0; });
+    Run{0, 4 * count}.each([&](int i) { sums[i] = 0; });
   }
 };
 

@@ -81,11 +81,11 @@ struct BlockTeam : detail::ThreadsOfBlock<BlockTeam> {
 // Some warps of a block that follow one another. Several such teams are at work side by side: each meets at a barrier of
 // its own.
 struct PartOfBlock : detail::ThreadsOfBlock<PartOfBlock> {
-  static constexpr int barriers = 16;  // of a block; number 0 is also that of all its threads
+  static constexpr int most = 15;  // a block has 16 barriers, one of them for all of its threads
 
-  // Both numbers of threads are multiples of 32.
-  __device__ PartOfBlock(int first, int threads, int barrier)
-      : first_(first), threads_(threads), barrier_(barrier) {}
+  // Team `number` of those with so many threads, a multiple of 32; 0 to most - 1.
+  __device__ PartOfBlock(int number, int threads)
+      : first_(number * threads), threads_(threads), barrier_(number + 1) {}
 
   __device__ int rank() const { return static_cast<int>(threadIdx.x) - first_; }
   __device__ int size() const { return threads_; }
@@ -97,36 +97,12 @@ struct PartOfBlock : detail::ThreadsOfBlock<PartOfBlock> {
   int first_, threads_, barrier_;
 };
 
-// How far something has come, in shared memory: one team of a block tells others.
-struct Progress {
-  int steps;
-
-  // All that the team has done before is seen by those who have waited.
-  template <class Team_> __device__ void set(Team_ const& team, int to) {
-    team.sync();
-    team.one([&] {
-      __threadfence_block();
-      atomicMax(&steps, to);
-    });
-  }
-  template <class Team_> __device__ void wait_for(Team_ const& team, int least) {
-    team.one([&] {
-      while (atomicAdd(&steps, 0) < least) __nanosleep(200);
-      __threadfence_block();
-    });
-    team.sync();
-  }
-};
-
-// A run of numbers that the first `threads` threads of the block share out.
+// A run of numbers that all threads of the block share out.
 struct Run {
-  int first, end, threads;
-
-  __device__ static Run by_all(int first, int end) {
-    return {first, end, static_cast<int>(blockDim.x)};
-  }
+  int first, end;
   template <class F> __device__ __forceinline__ void each(F const& f) const {
-    for (int i = first + static_cast<int>(threadIdx.x); i < end; i += threads) f(i);
+    for (int i = first + static_cast<int>(threadIdx.x); i < end; i += static_cast<int>(blockDim.x))
+      f(i);
   }
 };
 

@@ -58,7 +58,7 @@ template <class Shape> class ToTile {
       if (has_particle) add(grid);
       return;
     }
-    auto const nodes = Run::by_all(0, static_cast<int>(box.lattice.count()));
+    Run const nodes{0, static_cast<int>(box.lattice.count())};
     for (int c = 0; c < 4; ++c) nodes.each([&](int i) { sums_[c * most_nodes + i] = 0; });
     __syncthreads();
     if (has_particle) add(box);

@@ -54,7 +54,7 @@ template <class Scene, class T> struct TiledBlock {
   // As many of `count` items as the block has threads.
   __device__ Run items(int count) const {
     int const size = static_cast<int>(blockDim.x);
-    return {part * size, count - part * size < size ? count : (part + 1) * size, size};
+    return {part * size, count - part * size < size ? count : (part + 1) * size};
   }
   __device__ Run particles() const { return items(launch.step.live_particles(env)); }
   // Whether substep s belongs to the step of this environment.
