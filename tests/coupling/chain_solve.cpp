@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "coupling/random_chain.hpp"
+#include "surface/lanes.hpp"
 
 namespace {
 
@@ -319,5 +320,32 @@ TEMPLATE_TEST_CASE_SIG("several right-hand sides are solved as one alone", "[cou
       REQUIRE(both[1].lambda == second.lambda);
       REQUIRE(both[0].y == first.y);
       REQUIRE(both[1].y == second.y);
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("lanes of a group find together what one finds", "[coupling][chain]",
+                       ((bool bends), bends), false, true) {
+  std::mt19937 random(23);
+  for (Ends ends : {Ends::free, Ends::swaged})
+    for (int lanes : {2, 5, 12}) {
+      ChainOptions o;
+      o.ends = ends;
+      auto const c = test::random_chain<double, bends>(random, o);
+      auto other = c;
+      for (auto& r : other.r) r = 2.0 * r;
+      auto const alone = test::solve_all<double, bends>({c, other}, 4);
+      test::ChainRun<double, bends> run({c, other}, 4);
+      std::vector<char> regular(static_cast<std::size_t>(lanes));
+      test::run_on_lanes(lanes, [&](auto const& lane) {
+        regular[static_cast<std::size_t>(lane.number)] = run.solve(lane);
+      });
+      CAPTURE(lanes, int(ends));
+      REQUIRE(regular == std::vector<char>(regular.size(), alone[0].regular));
+      auto const together = run.found(alone[0].regular);
+      for (std::size_t j = 0; j < 2; ++j) {
+        REQUIRE(together[j].V == alone[j].V);
+        REQUIRE(together[j].lambda == alone[j].lambda);
+        REQUIRE(together[j].y == alone[j].y);
+      }
     }
 }

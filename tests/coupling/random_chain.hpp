@@ -47,44 +47,62 @@ template <class T> struct ChainSolution {
   mpmpbd::Vec<T, 6> y;
 };
 
-// Solves a chain for its right-hand side and that of `others`, with a head that is eliminated by itself.
+// A chain with the right-hand sides of one or two, all of the matrix of the first, and the memory to solve it.
+template <class T, bool bends> class ChainRun {
+ public:
+  ChainRun(std::vector<RandomChain<T, bends>> const& sides, int beads_of_head)
+      : chain_(sides.front()), rows_(chain_.rows()), factors_(rows_.size()) {
+    for (auto const& side : sides) {
+      for (std::size_t k = 0; k < rows_.size(); ++k)
+        columns_.push_back(mpmpbd::Column<T>::of(side.r[k], k > 0 ? side.g[k - 1] : T(0)));
+      bodies_.push_back(side.y);
+    }
+    head_.beads = beads_of_head;
+  }
+
+  // By all lanes of a group, with a head that is eliminated by itself. Returns whether the matrix is regular.
+  template <class Group_> bool solve(Group_ const& group) {
+    mpmpbd::ChainSystem<T, bends> const system{chain_.beads(), rows_.data(), chain_.known(),
+                                               &chain_.end};
+    mpmpbd::ChainSides<T> const all{static_cast<int>(bodies_.size()), columns_.data(),
+                                    bodies_.data()};
+    mpmpbd::ChainWork<T, bends> const work{factors_.data(), front_, &end_};
+    if (!mpmpbd::eliminate_head(group, system, all, work, head_) ||
+        !mpmpbd::eliminate_rest(group, system, all, work, head_))
+      return false;
+    mpmpbd::substitute_rest(group, system, all, work, head_.beads);
+    mpmpbd::substitute(group, system, all, work, 0, head_.beads);
+    return true;
+  }
+  std::vector<ChainSolution<T>> found(bool regular) const {
+    auto const n = rows_.size();
+    std::vector<ChainSolution<T>> all(bodies_.size());
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      all[j].regular = regular;
+      all[j].y = bodies_[j];
+      for (std::size_t k = 0; k < n; ++k) {
+        all[j].V.push_back(columns_[j * n + k].bead());
+        all[j].lambda.push_back(k + 1 < n ? columns_[j * n + k + 1].link() : T(0));
+      }
+    }
+    return all;
+  }
+
+ private:
+  RandomChain<T, bends> chain_;
+  std::vector<mpmpbd::BeadRows<T, bends>> rows_;
+  std::vector<mpmpbd::BeadFactor<T, bends>> factors_;
+  std::vector<mpmpbd::Column<T>> columns_;
+  std::vector<mpmpbd::Vec<T, 6>> bodies_;
+  mpmpbd::ChainFront<T, bends> front_[2];
+  mpmpbd::EndFactor<T> end_;
+  mpmpbd::ChainHead<T, bends> head_{};
+};
 template <class T, bool bends>
 std::vector<ChainSolution<T>> solve_all(std::vector<RandomChain<T, bends>> const& sides,
                                         int beads_of_head) {
-  auto const& c = sides.front();
-  auto const n = c.blocks.size();
-  auto const rows = c.rows();
-  std::vector<mpmpbd::Column<T>> columns;
-  std::vector<mpmpbd::Vec<T, 6>> bodies;
-  for (auto const& side : sides) {
-    for (std::size_t k = 0; k < n; ++k)
-      columns.push_back(mpmpbd::Column<T>::of(side.r[k], k > 0 ? side.g[k - 1] : T(0)));
-    bodies.push_back(side.y);
-  }
-  std::vector<mpmpbd::BeadFactor<T, bends>> factors(n);
-  mpmpbd::ChainFront<T, bends> front[2];
-  mpmpbd::EndFactor<T> end;
-  mpmpbd::ChainHead<T, bends> head{beads_of_head, {}};
-  mpmpbd::Solo const lane;
-  mpmpbd::ChainSystem<T, bends> const system{c.beads(), rows.data(), c.known(), &c.end};
-  mpmpbd::ChainSides<T> const all{static_cast<int>(sides.size()), columns.data(), bodies.data()};
-  mpmpbd::ChainWork<T, bends> const work{factors.data(), front, &end};
-  bool const regular = mpmpbd::eliminate_head(lane, system, all, work, head) &&
-                       mpmpbd::eliminate_rest(lane, system, all, work, head);
-  if (regular) {
-    mpmpbd::substitute_rest(lane, system, all, work, beads_of_head);
-    mpmpbd::substitute(lane, system, all, work, 0, beads_of_head);
-  }
-  std::vector<ChainSolution<T>> found(sides.size());
-  for (std::size_t j = 0; j < sides.size(); ++j) {
-    found[j].regular = regular;
-    found[j].y = bodies[j];
-    for (std::size_t k = 0; k < n; ++k) {
-      found[j].V.push_back(columns[j * n + k].bead());
-      found[j].lambda.push_back(k + 1 < n ? columns[j * n + k + 1].link() : T(0));
-    }
-  }
-  return found;
+  ChainRun<T, bends> run(sides, beads_of_head);
+  return run.found(run.solve(mpmpbd::Solo{}));
 }
 template <class T, bool bends>
 ChainSolution<T> solve(RandomChain<T, bends> const& c, int beads_of_head = 0) {
