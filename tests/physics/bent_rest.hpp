@@ -169,8 +169,7 @@ template <class T> struct BentRest {
     auto const beads = static_cast<std::size_t>(x.thread.beads);
     std::vector<mpmpbd::Column<T>> columns;
     for (std::size_t k = 0; k < beads; ++k)
-      columns.push_back(
-          mpmpbd::Column<T>::of(t.inertia[k], k > 0 ? t.gap_speed[k - 1] : T(0)));
+      columns.push_back(mpmpbd::Column<T>::of(t.inertia[k], k > 0 ? t.gap_speed[k - 1] : T(0)));
     mpmpbd::ChainSystem<T, true> const chain{x.thread.beads, t.base, x.thread.known, nullptr};
     mpmpbd::ChainSides<T> const side{1, columns.data(), nullptr};
     if (!mpmpbd::solve_chain(team, chain, side, t.chain)) return;

@@ -27,10 +27,6 @@ struct Lane {
   template <class F> void each(int n, F const& f) const {
     for (int i = number; i < n; i += meeting->count) f(i);
   }
-  template <int most> static constexpr int share = most;
-  template <int most, class F> void own(int n, F const& f) const {
-    for (int i = number, place = 0; i < n; i += meeting->count) f(place++, i);
-  }
   template <class F> void one(F const& f) const {
     if (number == 0) f();
   }

@@ -60,11 +60,7 @@ template <class T, bool bends> struct BeadRows {
   MPMPBD_HD Column<T>& U(int j) { return columns[4 + j]; }
   MPMPBD_HD void add_to_A(Mat3<T> const& block) { add(columns, block); }
   MPMPBD_HD void add_to_U(Mat3<T> const& block) { add(columns + 4, block); }
-  MPMPBD_HD void add_to_W(Mat3<T> const& block)
-    requires bends
-  {
-    add(columns + 8, block);
-  }
+  MPMPBD_HD void add_to_W(Mat3<T> const& block) requires bends { add(columns + 8, block); }
 
  private:
   MPMPBD_HD static void add(Column<T>* columns, Mat3<T> const& block) {
@@ -254,15 +250,19 @@ template <class Group_, class T, bool bends> struct Elimination {
     return s.end != nullptr && s.end->present && s.end->swaged && s.beads > 0;
   }
 
-  // Beads begin ... end - 1, after those that leave `before` (null: none). Leaves in `after`, unless that is null, what they
-  // add to the rows of the next.
+  // Beads begin ... end - 1, after those that leave `before` (null: none). Leaves its own in `after`, unless that is null.
   MPMPBD_HD bool run(int begin, int end, Front const* before, Front* after) const {
     int const last = end == s.beads && ends_on_body() ? end - 1 : end;
     enter(begin, before);
     for (int k = begin; k < last; ++k) {
-      bool const leaves = k + 1 == end && after != nullptr;
-      if (!eliminate(k, work.front[k % 2], leaves ? *after : work.front[(k + 1) % 2], leaves))
-        return false;
+      Front const& front = work.front[k % 2];
+      bool const known = s.known[k];
+      auto const pivot = known ? Pivot<T>::of_link(front.next[3]) : Pivot<T>::of(front.next);
+      if (!pivot.regular) return false;
+      if (k + 1 == end && after != nullptr)
+        eliminate<true>(k, known, pivot, front, *after);
+      else
+        eliminate<false>(k, known, pivot, front, work.front[(k + 1) % 2]);
       group.sync();
     }
     return last == end || solve_end(work.front[last % 2].next);
@@ -297,71 +297,53 @@ template <class Group_, class T, bool bends> struct Elimination {
   // Columns of the bead after next have fill: of A, and right-hand sides.
   MPMPBD_HD static constexpr bool has_beyond(int c) { return c < 3 || c >= ahead; }
 
-  // Column c in the rows of bead k, before elimination has added to it. A known velocity stays as it is.
-  struct Whole {
-    Column<T> column;
-    bool stays;
-    MPMPBD_HD Column<T> with(Vec<T, 4> const& added) const {
-      return {column + (stays ? Column<T>::of(Vec3<T>{}, added[3]) : added)};
-    }
-  };
-  MPMPBD_HD Whole whole(int c, int k) const {
-    if (c < ahead) return {s.rows[k].columns[c], false};
-    return {sides.columns[(c - ahead) * s.beads + k], s.known[k]};
+  // What is left of column c in the rows of bead k, when elimination has added so much. A known velocity stays.
+  MPMPBD_HD Column<T> left_of(int c, int k, Vec<T, 4> added) const {
+    bool const is_side = c >= ahead;
+    Column<T> const whole =
+        is_side ? sides.columns[(c - ahead) * s.beads + k] : s.rows[k].columns[c];
+    if (is_side && s.known[k]) added = Column<T>::of(Vec3<T>{}, added[3]);
+    return {whole + added};
   }
   MPMPBD_HD void enter(int k, Front const* before) const {
     Front& front = work.front[k % 2];
     group.sync();
     group.each(columns(), [&](int c) {
-      front.next[c] = whole(c, k).with(before != nullptr ? before->next[c] : Column<T>{});
+      front.next[c] = left_of(c, k, before != nullptr ? before->next[c] : Column<T>{});
       if constexpr (bends)
         if (has_beyond(c)) front.beyond[c] = before != nullptr ? before->beyond[c] : Column<T>{};
     });
     group.sync();
   }
 
-  // What a lane needs for a column of bead k, loaded while the pivot is solved.
-  struct Mine {
-    Column<T> column, beyond;
-    Whole next;
-  };
-  MPMPBD_HD Mine load(int c, int k, Front const& front, bool leaves) const {
-    bool const from_front = c >= ahead || (bends && c < 3);
-    Mine mine{};
-    mine.column = from_front ? front.next[c < 3 ? 4 + c : c] : s.rows[k].ahead()[c];
-    if constexpr (bends)
-      if (has_beyond(c)) mine.beyond = front.beyond[c];
-    if (!leaves && k + 1 < s.beads) mine.next = whole(c, k + 1);
-    return mine;
-  }
-
-  // Bead k. Leaves of the next bead's rows what is left of them, or, if it `leaves` them to others, what is added to them.
-  MPMPBD_HD bool eliminate(int k, Front const& front, Front& after, bool leaves) const {
-    bool const known = s.known[k];
+  // Leaves of the next bead's rows what is left of them, or, with `added_alone`, what is added to them.
+  template <bool added_alone>
+  MPMPBD_HD void eliminate(int k, bool known, Pivot<T> const& pivot, Front const& front,
+                           Front& after) const {
+    Column<T> const* rows = s.rows[k].ahead();
     Column<T> X[ahead];
-    for (int a = 0; a < ahead; ++a)
-      X[a] = bends && a < 3 ? front.next[4 + a] : s.rows[k].ahead()[a];
-    Mine mine[Group_::template share<most_columns>];
-    group.template own<most_columns>(
-        columns(), [&](int place, int c) { mine[place] = load(c, k, front, leaves); });
-    auto const pivot = known ? Pivot<T>::of_link(front.next[3]) : Pivot<T>::of(front.next);
-    if (!pivot.regular) return false;
-    group.template own<most_columns>(columns(), [&](int place, int c) {
-      Column<T> const& b = mine[place].column;
-      auto const Y = known ? pivot.solve_known(c < ahead ? Vec3<T>{} : b.bead(), b.link())
-                           : pivot.solve(b);
+    for (int a = 0; a < ahead; ++a) X[a] = bends && a < 3 ? front.next[4 + a] : rows[a];
+    group.each(columns(), [&](int c) {
+      bool const from_front = c >= ahead || (bends && c < 3);
+      Column<T> const mine = from_front ? front.next[c < 3 ? 4 + c : c] : rows[c];
+      auto const Y = known ? pivot.solve_known(c < ahead ? Vec3<T>{} : mine.bead(), mine.link())
+                           : pivot.solve(mine);
       work.factors[k].columns[c] = Y;
-      Vec<T, 4> added = mine[place].beyond;
-      for (int a = 0; a < 4; ++a) added[a] -= dot(X[a], Y);
-      after.next[c] = mine[place].next.with(added);
-      if constexpr (bends)
+      Vec<T, 4> added;
+      for (int a = 0; a < 4; ++a) added[a] = -dot(X[a], Y);
+      if constexpr (bends) {
+        if (has_beyond(c)) added += front.beyond[c];
         if (c >= 4)
           after.beyond[c < ahead ? c - 4 : c] =
               Column<T>::of(-vec(dot(X[4].bead(), Y.bead()), dot(X[5].bead(), Y.bead()),
                                  dot(X[6].bead(), Y.bead())),
                             T(0));
+      }
+      if constexpr (added_alone)
+        after.next[c] = {added};
+      else if (k + 1 < s.beads)
+        after.next[c] = left_of(c, k + 1, added);
     });
-    return true;
   }
 };
 

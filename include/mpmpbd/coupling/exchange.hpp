@@ -481,9 +481,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       TouchedNode<T>& n = x.incidence.nodes[i];
       n.velocity = n.start + share * (n.velocity - n.start);
     });
-    team.each(x.thread.beads, [&](int k) {
-      t.trial[k] = {t.alone[k] + share * (t.trial[k] - t.alone[k])};
-    });
+    team.each(x.thread.beads,
+              [&](int k) { t.trial[k] = {t.alone[k] + share * (t.trial[k] - t.alone[k])}; });
     team.each(x.count(), [&](int q) { x.work[q].J *= share; });
     team.one([&] {
       Vec<T, 6> const& alone = x.scratch->alone();

@@ -49,9 +49,9 @@ template <class T> struct ExchangeScratch {
   RigidEnd<T> end;
   Vec<T, 6> momentum;            // the needle's right-hand side without contact [N s, N m s]
   Vec<T, 6> bodies[most_sides];  // alone(), body()
-  T share;             // of the impulses on offer that is taken
-  int changed;         // holds that the last trial found wrong
-  int revised;         // whether any was in the whole exchange
+  T share;                       // of the impulses on offer that is taken
+  int changed;                   // holds that the last trial found wrong
+  int revised;                   // whether any was in the whole exchange
   int failed;
 
   // Velocity and spin of the needle [m/s, rad/s]: with thread and needle solved without tissue, and in the present trial.

@@ -15,7 +15,6 @@ namespace detail {
 struct TeamProbe {
   MPMPBD_HD void operator()(int) const {}
   MPMPBD_HD void operator()() const {}
-  MPMPBD_HD void operator()(int, int) const {}
   template <class Group_> MPMPBD_HD void operator()(Group_ const&, int) const {}
 };
 }  // namespace detail
@@ -28,13 +27,10 @@ struct Piece {
 // Lanes that look into one matter together: all of them run the same text, each with variables of its own.
 //
 // each, one and sync are as of a team. min(a), sum(n): over what the lanes bring, known to all of them. Neither
-// depends on how many lanes there are; a NaN loses against any number. own<most>(n, f): f(place, i) for i in 0 ... n-1, n <= most,
-// with i always on the same lane, which keeps what belongs to i at one of its share<most> places. part(n): the numbers 0 ... n-1 in as many pieces as
+// depends on how many lanes there are; a NaN loses against any number. part(n): the numbers 0 ... n-1 in as many pieces as
 // there are lanes, in their order, and sum_before(n): over the lanes before this one.
 template <class Group_> concept Group = requires(Group_ const& group, detail::TeamProbe f) {
   group.each(1, f);
-  group.template own<2>(1, f);
-  requires Group_::template share<2> >= 1;
   group.one(f);
   group.sync();
   { group.min(1.0f) } -> std::same_as<float>;
@@ -63,10 +59,6 @@ concept Team = requires(Team_ const& team, detail::TeamProbe f, int& counter) {
 struct Solo {
   template <class F> MPMPBD_HD void each(int n, F const& f) const {
     for (int i = 0; i < n; ++i) f(i);
-  }
-  template <int most> static constexpr int share = most;
-  template <int most, class F> MPMPBD_HD void own(int n, F const& f) const {
-    for (int i = 0; i < n; ++i) f(i, i);
   }
   template <class F> MPMPBD_HD void one(F const& f) const { f(); }
   template <class F> MPMPBD_HD void groups(int n, F const& f) const {

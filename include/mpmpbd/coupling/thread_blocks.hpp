@@ -175,8 +175,7 @@ MPMPBD_HD void assemble_thread(Team_ const& team, ThreadState<T> const& s,
     b.add_to_A(s.mass[k] * Mat3<T>::identity());
     w.inertia[k] = s.mass[k] * s.velocity[k];
     if (detail::is_segment(s, k - 1))
-      b.add_to_A(
-          detail::tension_block(s, w.links[k - 1].direction, w.length[k - 1], k - 1, dt));
+      b.add_to_A(detail::tension_block(s, w.links[k - 1].direction, w.length[k - 1], k - 1, dt));
     if (detail::is_segment(s, k)) {
       Mat3<T> const across = detail::tension_block(s, w.links[k].direction, w.length[k], k, dt);
       b.add_to_A(across);

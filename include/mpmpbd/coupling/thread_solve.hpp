@@ -61,9 +61,7 @@ template <class Team_, class T, class Form> struct ThreadSolve {
   MPMPBD_HD ChainSystem<T, bends> system(BeadRows<T, bends> const* rows) const {
     return {x.thread.beads, rows, x.thread.known, &x.scratch->end};
   }
-  MPMPBD_HD ChainSides<T> trial() const {
-    return {1, x.thread_work.trial, &x.scratch->body()};
-  }
+  MPMPBD_HD ChainSides<T> trial() const { return {1, x.thread_work.trial, &x.scratch->body()}; }
   // Once a solution has failed there are no others.
   template <class F> MPMPBD_HD void by_group(F const& solve) const {
     team.groups(1, [&](auto const& group, int) {

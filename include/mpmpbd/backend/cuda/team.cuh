@@ -16,11 +16,6 @@ struct Warp {
   template <class F> __device__ void each(int n, F const& f) const {
     for (int i = lane(); i < n; i += size) f(i);
   }
-  template <int most> static constexpr int share = (most + size - 1) / size;
-  template <int most, class F> __device__ void own(int n, F const& f) const {
-    for (int place = 0; place < share<most>; ++place)
-      if (int const i = place * size + lane(); i < n) f(place, i);
-  }
   template <class F> __device__ void one(F const& f) const {
     if (lane() == 0) f();
   }
