@@ -193,7 +193,7 @@ template <class T, class Form> struct BentThread {
       for (std::size_t q = 0; q < drift.size(); ++q) x.work[q].u += bias(q);
       e.sweep(i == 0);
     }
-    e.solve_head();
+    e.thread.solve_head();
     if (x.scratch->failed != 0) return false;
     e.finish();
     e.observe();

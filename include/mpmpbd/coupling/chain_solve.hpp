@@ -238,7 +238,7 @@ MPMPBD_HD bool factor_end(RigidEnd<T> const& end, Mat3<T> const& A, Vec3<T> cons
 template <class Group_, class T, bool bends> struct Elimination {
   using Rows = BeadRows<T, bends>;
   using Front = ChainFront<T, bends>;
-  static constexpr int ahead = Rows::columns_ahead, most_columns = ahead + most_sides;
+  static constexpr int ahead = Rows::columns_ahead;
 
   Group_ const& group;
   ChainSystem<T, bends> const& s;
