@@ -349,3 +349,18 @@ TEMPLATE_TEST_CASE_SIG("lanes of a group find together what one finds", "[coupli
       }
     }
 }
+
+TEST_CASE("a rigid body without a chain is solved alone", "[coupling][chain]") {
+  std::mt19937 random(29);
+  ChainOptions o;
+  o.beads = 0;
+  o.ends = Ends::body;
+  auto const c = test::random_chain<double, false>(random, o);
+  auto const found = test::solve(c);
+  REQUIRE(found.regular);
+  for (int i = 0; i < 6; ++i) {
+    double sum = -c.y[i];
+    for (int j = 0; j < 6; ++j) sum += c.end.matrix(i, j) * found.y[j];
+    CHECK(std::abs(sum) < 1e-12);
+  }
+}

@@ -252,6 +252,7 @@ template <class Group_, class T, bool bends> struct Elimination {
 
   // Beads begin ... end - 1, after those that leave `before` (null: none). Leaves its own in `after`, unless that is null.
   MPMPBD_HD bool run(int begin, int end, Front const* before, Front* after) const {
+    if (begin == end) return true;
     int const last = end == s.beads && ends_on_body() ? end - 1 : end;
     enter(begin, before);
     for (int k = begin; k < last; ++k) {
