@@ -10,7 +10,8 @@ struct Scratch {
   std::filesystem::path folder;
 
   Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "mpmpbd-XXXXXX").string();
+    std::string name =
+        (std::filesystem::temp_directory_path() / ("mpmpbd-" + std::string(6, 'X'))).string();
     if (mkdtemp(name.data()) == nullptr)
       throw std::runtime_error("cannot make a folder like " + name);
     folder = name;
