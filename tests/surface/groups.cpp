@@ -7,7 +7,7 @@
 #include <random>
 
 #include "held_sheet.hpp"
-#include "lanes.hpp"
+#include "support/lanes.hpp"
 #include "support/sanitized.hpp"
 
 #include <mpmpbd/surface/channel.hpp>
