@@ -20,7 +20,9 @@
 
 namespace mpmpbd {
 
-// Four numbers that a device loads at once: three of a bead and one of the link on its left.
+// Four numbers that a device loads at once: three of a bead and one of the link on its left. Of unknowns (V_k [m/s],
+// lambda_{k-1} [N s]), of right-hand sides (r_k [N s], g_{k-1} [m/s]), of a matrix ([kg], and directions and 1/kg in a link's
+// row).
 template <class T> struct alignas(16) Column : Vec<T, 4> {
   MPMPBD_HD static constexpr Column of(Vec3<T> const& bead, T link) {
     return {{{bead[0], bead[1], bead[2], link}}};
@@ -90,7 +92,8 @@ inline constexpr int most_sides = 2;
 template <class T> struct ChainSides {
   int count;
   Column<T>* columns;  // count * beads
-  Vec<T, 6>* bodies;   // count; of the rigid body: force, then velocity and spin. Null without one
+  // count; of the rigid body: impulse and its moment [N s, N m s], then velocity and spin [m/s, rad/s]. Null without one.
+  Vec<T, 6>* bodies;
 };
 
 // What elimination leaves of a bead: Y of the columns ahead, and of the right-hand sides.
@@ -98,8 +101,9 @@ template <class T, bool bends> struct BeadFactor {
   Column<T> columns[BeadRows<T, bends>::columns_ahead + most_sides];
 };
 
-// What elimination adds to the columns of the next bead's rows (its pivot, then U, then right-hand sides), and of those of
-// the bead beyond (A, and right-hand sides).
+// Between two beads: columns of the next bead's rows (its pivot, then U, then right-hand sides), and what elimination adds to
+// those of the bead beyond (A, and right-hand sides). While elimination goes on, `next` is what is left of these columns; at the
+// end of a head, whose next rows change, what is added to them.
 template <class T, bool bends> struct ChainFront {
   Column<T> next[BeadRows<T, bends>::columns_ahead + most_sides];
   Column<T> beyond[bends ? 7 + most_sides : 1];
@@ -380,7 +384,7 @@ MPMPBD_HD bool eliminate_rest(Group_ const& group, ChainSystem<T, bends> const& 
 
 namespace detail {
 // a - s b. By value, so that a device loads b at once.
-template <class T> MPMPBD_HD Column<T> less(Column<T> const& a, T s, Column<T> const b) {
+template <class T> MPMPBD_HD Column<T> minus_times(Column<T> const& a, T s, Column<T> const b) {
   return {a - s * b};
 }
 }  // namespace detail
@@ -399,8 +403,8 @@ MPMPBD_HD void substitute(Group_ const& group, ChainSystem<T, bends> const& s,
       Column<T> const* Y = work.factors[k].columns;
       Column<T> mine = Y[ahead + j];
       if constexpr (bends)
-        for (int a = 0; a < 3; ++a) mine = detail::less(mine, beyond[a], Y[4 + a]);
-      for (int a = 0; a < 4; ++a) mine = detail::less(mine, next[a], Y[a]);
+        for (int a = 0; a < 3; ++a) mine = detail::minus_times(mine, beyond[a], Y[4 + a]);
+      for (int a = 0; a < 4; ++a) mine = detail::minus_times(mine, next[a], Y[a]);
       beyond = next;
       next = x[k] = mine;
     }

@@ -87,10 +87,15 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     reset_kinematic(x.scratch->body(), T(1));
     team.sync();
   }
+  MPMPBD_HD Column<T> side_without_contact(int k) const {
+    auto const& t = x.thread_work;
+    return Column<T>::of(t.inertia[k], k > 0 ? t.gap_speed[k - 1] : T(0));
+  }
   MPMPBD_HD void assemble_bead(int k, int c) const {
     auto const& t = x.thread_work;
     Vec3<T> A{}, U{};
-    T r = t.inertia[k][c];
+    Column<T> const own = side_without_contact(k);
+    T r = own[c];
     for_each_point_of_bead(k, [&](int q, T share) {
       PointWork<T> const& w = x.work[q];
       Vec3<T> const& d = x.points[q].axis;
@@ -103,7 +108,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     t.rows[k].A(c) = {t.base[k].A(c) + Column<T>::of(A, T(0))};
     t.rows[k].U(c) = {t.base[k].U(c) + Column<T>::of(U, T(0))};
     t.trial[k][c] = r;
-    if (c == 0) t.trial[k][3] = k > 0 ? t.gap_speed[k - 1] : T(0);
+    if (c == 0) t.trial[k][3] = own.link();
   }
 
   // One column of the dynamic needle's matrix; the seventh is its right-hand side.
@@ -244,7 +249,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       for (int i = 0; i < 6; ++i) x.scratch->end.matrix(i, column) = sum[i];
     });
     team.each(x.thread.beads, [&](int k) {
-      t.alone[k] = Column<T>::of(t.inertia[k], k > 0 ? t.gap_speed[k - 1] : T(0));
+      t.alone[k] = side_without_contact(k);
       t.rows[k] = t.base[k];
     });
     team.one([&] {

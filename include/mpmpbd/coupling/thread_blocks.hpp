@@ -45,7 +45,7 @@ template <class T, bool bends> struct ThreadWork : JointStore<T, bends> {
   Vec3<T>* tangent;  // at bead k
   T* gap_speed;      // g of segment k
   Vec3<T>* inertia;  // m v + bending, the right-hand side without contact
-  // Right-hand sides, then velocities and link impulses: those without tissue, and after them those of the present
+  // Right-hand sides, then velocities [m/s] and link impulses [N s], (bead): those without tissue, and after them those of the present
   // trial. Two solutions of one elimination are found as one.
   Column<T>* alone;
   Column<T>* trial;
