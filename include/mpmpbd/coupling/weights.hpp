@@ -109,8 +109,9 @@ MPMPBD_INLINE T for_each_embedding_weight(Lattice<T> const& lattice, Vec3<T> con
   auto const s =
       detail::surroundings<Shape>(lattice, near, nodes, [&](int a, T wm) { plain[a] = wm; });
   if (!(s.mass > T(0))) return T(0);
+  T const share = T(1) / (s.rest * s.mass);
   detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T, Vec3<T> const& d) {
-    use(a, i, plain[a] * ((1 - dot(s.slope, d)) / (s.rest * s.mass)));
+    use(a, i, plain[a] * (share * (1 - dot(s.slope, d))));
   });
   return s.mass;
 }
