@@ -98,6 +98,15 @@ template <Real T> MPMPBD_HD T reciprocal(T a) {
 #endif
   return T(1) / a;
 }
+// a b + c. A device always rounds it once: left to choose, its compiler decides by what is around, and one text gets other
+// bits in another kernel.
+template <Real T> MPMPBD_HD T multiply_add(T a, T b, T c) {
+#if defined(__CUDA_ARCH__)
+  return ::fma(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
 template <Real T> MPMPBD_HD bool is_finite(T a) { return a - a == T(0); }
 
 template <class T> MPMPBD_HD constexpr T min(T a, T b) { return b < a ? b : a; }

@@ -55,6 +55,17 @@ MPMPBD_INLINE Massless<T> operator*(detail::identity_t<T> s, Massless<T> const& 
 }
 #endif
 
+// sum + s a, as multiply_add does it.
+template <class V, class S, class Change>
+MPMPBD_INLINE V add_product(V const& sum, S s, Change const& a) {
+#if defined(__CUDA_ARCH__)
+  return quad(multiply_add(s, a[0], sum[0]), multiply_add(s, a[1], sum[1]),
+              multiply_add(s, a[2], sum[2]), sum[3]);
+#else
+  return sum + s * a;
+#endif
+}
+
 // The quads of every lane of four numbers, and back.
 template <Real T> MPMPBD_INLINE void to_lanes(Vec<T, 4> const& a, Quad<T> (&q)[1]) {
   q[0] = quad(a[0], a[1], a[2], a[3]);

@@ -206,19 +206,18 @@ template <class Body> struct Scatter {
     auto const w_x = N::each(w.x.weight + i);
     V column = w_x * (N::all(q.value) + N::numbered(i) * N::all(q.gradient[0]));
     using Change = typename N::Changes;
-    Change const along_y = w_x * N::all(q.gradient[1]), along_z = w_x * N::all(q.gradient[2]);
+    Change const along_y = w_x * N::all(q.gradient[1]);
     Change across_y, across_z;
     if constexpr (slopes) {
       column = column + N::each(w.x.slope + i) * N::all(q.impulse[0]);
       across_y = w_x * N::all(q.impulse[1]), across_z = w_x * N::all(q.impulse[2]);
     }
     for (int k = 0; k < Shape::width; ++k) {
-      if (k > 0) column = column + along_z;
+      if (k > 0) column = add_product(column, w_x, N::all(q.gradient[2]));
       V row = w.z.weight[k] * column;
       if constexpr (slopes) row = row + w.z.slope[k] * across_z;
-      Change const step = w.z.weight[k] * along_y;
       for (int j = 0; j < Shape::width; ++j) {
-        if (j > 0) row = row + step;
+        if (j > 0) row = add_product(row, w.z.weight[k], along_y);
         V sum = w.y.weight[j] * row;
         if constexpr (slopes) sum = sum + w.y.slope[j] * (w.z.weight[k] * across_y);
         if constexpr (previous)

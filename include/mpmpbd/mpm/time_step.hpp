@@ -98,7 +98,7 @@ MPMPBD_HD StepBounds<typename P::Scalar> step_bounds(P const& p, K const& materi
 template <class Body, class T> MPMPBD_HD T elastic_limit(StepBounds<T> const& b, T dx) {
   T const G = T(detail::gradient_stiffness_of<Body>) / (dx * dx);
   T const half = G * b.damping / 2;
-  T const rate = half + sqrt(G * b.frequency2 + half * half);
+  T const rate = half + sqrt(multiply_add(half, half, G * b.frequency2));
   return rate > T(0) ? T(2) / rate : T(1e30);
 }
 
