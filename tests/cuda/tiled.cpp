@@ -81,6 +81,41 @@ TEST_CASE("needle, thread and tissue have the same bits in blocks' memory and in
   CHECK(same_everywhere(in_blocks, on_device));
 }
 
+// A resident step scatters while it still looks, in the hope that it will be like the one before; one in tiled form never hopes.
+TEMPLATE_TEST_CASE("a step unlike the one before has the bits of one that expects nothing",
+                   "[cuda][tiled][time_step]", Relaxing, Squeezed) {
+  using Run = Simulation<TestType, Cuda, float>;
+  auto o = options<TestType>(2);
+  o.substeps = 0;
+  Run in_blocks(o, resident), on_device(o, tiled);
+  auto const before = [&](int steps) {
+    for (Run* run : {&in_blocks, &on_device})
+      for (int s = 0; s < steps; ++s) run->step(step);
+    return read(on_device).template get<environment::Substeps>(1, 0);
+  };
+  for (Run* run : {&in_blocks, &on_device})
+    for (std::int64_t env : {0, 1}) set_up(*run, env);
+  auto const few = before(2);
+  for (Run* run : {&in_blocks, &on_device}) {
+    run->state().template set<particle::Mass>(
+        0, 5, 3.0f * run->state().template get<particle::Mass>(0, 5));
+    run->template set<NeoHookean>(1, lame(2e6, 0.4));
+  }
+  CHECK(before(1) > few);
+  CHECK(same_everywhere(in_blocks, on_device));
+  before(2);
+  CHECK(same_everywhere(in_blocks, on_device));
+}
+
+TEST_CASE("what a particle brings is rounded to the nearest count", "[cuda][tiled]") {
+  using Numbers = mpmpbd::cuda::NumbersOf<float>;
+  for (float const a :
+       {0.0f, 0.49f, 0.5f, 0.51f, 1.5f, 2.5f, 1234.5f, 99999.75f, 4194303.5f, Numbers::scale}) {
+    CHECK(Numbers::nearest(a) == std::lrint(a));
+    CHECK(Numbers::nearest(-a) == std::lrint(-a));
+  }
+}
+
 // Four environments: one as it comes, one that is stiff and so takes more substeps, one that is lost in the middle of a
 // step, one that a mask leaves out.
 TEST_CASE("environments in tiled form do not feel each other", "[cuda][tiled][batch]") {

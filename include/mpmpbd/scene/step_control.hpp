@@ -69,6 +69,10 @@ template <class Env> struct StepControl {
     int const substeps = choice.of(h, double(held(limit)));
     if (longer_than_limit(h / substeps, double(limit.dt)))
       meet(static_cast<std::uint32_t>(Fault::time_step));
+    return clock(h, substeps);
+  }
+  // The clock of a step of h [s] with so many substeps.
+  MPMPBD_HD StepClock<T> clock(double h, int substeps) const {
     T const dt = T(h / substeps), previous = env.template get<environment::Dt>(0);
     return {substeps,
             dt,
@@ -76,6 +80,10 @@ template <class Env> struct StepControl {
             env.template get<environment::Step>(0),
             env.template get<environment::Time>(0),
             ::llround(1e12 * h / substeps)};
+  }
+  // Of the step before; 0 when there was none.
+  MPMPBD_HD int substeps_before() const {
+    return static_cast<int>(env.template get<environment::Substeps>(0));
   }
 
   // After `done` substeps of it.

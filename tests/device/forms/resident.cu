@@ -131,6 +131,9 @@ template <class Scene> void compare(char const* name) {
   check(same_bits(d, 0, read(alone), 0), name, "alone it has the same bits");
   for (std::int64_t env : {0, 1, 2})
     check(same_bits(d, env, read(tiled), env), name, "tiled execution gives the same bits");
+  device.step(step), alone.step(step), tiled.step(step);
+  check(same_bits(read(device), 0, read(alone), 0), name, "after a second step, too, alone");
+  check(same_bits(read(device), 0, read(tiled), 0), name, "and tiled");
 }
 
 void compare_in_double() {

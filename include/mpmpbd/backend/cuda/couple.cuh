@@ -42,14 +42,22 @@ template <class Scene, class T> struct Couple {
   using Nodes_ = NodesOfGrid<MoveNodes<typename Scene::Body, typename Scene::Effects>, Ctx>;
   static constexpr bool any = detail::couples<Scene>;
 
-  // Stages of a substep on the nodes of an environment, all of them or Before and After. `fast`: launch.fast_bytes of
-  // shared memory. Returns the faults met.
-  template <class Stages_ = Stages, class Team_>
+  // Stages of a substep on the nodes of an environment, Before or After. `fast`: launch.fast_bytes of shared memory.
+  // Returns the faults met.
+  template <class Stages_, class Team_>
   __device__ static std::uint32_t run(Team_ const& team, Launch<Scene, T> const& launch,
                                       std::int64_t env, Velocities<T> nodes, Ctx const& context,
                                       char* fast) {
     return run_all(team, launch.fields(env), seen(launch, env, nodes, context, fast), context,
                    Stages_{});
+  }
+  // The same as a function by itself, so that the compiler joins no product of one stage to a sum of what is around it.
+  template <class Stages_, class Team_>
+  __device__ __noinline__ static std::uint32_t run_apart(Team_ const& team,
+                                                         Launch<Scene, T> const& launch,
+                                                         std::int64_t env, Velocities<T> nodes,
+                                                         Ctx const& context, char* fast) {
+    return run<Stages_>(team, launch, env, nodes, context, fast);
   }
 
   // Items of the stage between them: as many as an environment may have, as it has, and some of them by the threads of a

@@ -68,30 +68,52 @@ template <class T> struct Findings {
   }
 };
 
-// What this thread finds in a run of slots; particles beyond the border are put back to it.
-template <class Scene, class T, class Ctx>
-__device__ Findings<T> look_at_particles(Launch<Scene, T> const& launch, std::int64_t env,
-                                         Run const& slots, Ctx const& context) {
+// What is looked at in a particle.
+template <class Scene, class T> class ParticleLook {
   using Shape = typename Scene::Body::Shape;
   using Bounds = ParticleBounds<Scene>;
+
+ public:
   using Reads = union_t<typename Bounds::Reads, Fields<particle::Mass, particle::Position>>;
-  auto const& view = launch.particles().view;
-  Room<T> room[3];
-  for (int a = 0; a < 3; ++a) room[a] = Room<T>::template on_axis<Shape>(launch.lattice, a);
-  Findings<T> all;
-  slots.each([&](int slot) {
-    std::int64_t const index = launch.first_particle(env) + slot;
-    Local<T, union_t<typename Bounds::Used, Fields<particle::Mass, particle::Position>>> p;
-    p.load(view, index, Reads{});
+  using Used = union_t<typename Bounds::Used, Fields<particle::Mass, particle::Position>>;
+
+  __device__ explicit ParticleLook(Launch<Scene, T> const& launch) : launch_(launch) {
+    for (int a = 0; a < 3; ++a) room_[a] = Room<T>::template on_axis<Shape>(launch.lattice, a);
+  }
+
+  // Adds what is found in p, the particle with that index; it is put back to the border where it is beyond.
+  template <class P, class Ctx>
+  __device__ __forceinline__ void at(P& p, std::int64_t index, Ctx const& context,
+                                     Findings<T>& all) const {
     bool moved = false;
-    for (int a = 0; a < 3; ++a) moved = room[a].hold(p[particle::Position{}][a]) || moved;
+    for (int a = 0; a < 3; ++a) moved = room_[a].hold(p[particle::Position{}][a]) || moved;
     if (moved) {
-      p.store(view, index, Fields<particle::Position>{});
+      p.store(launch_.particles().view, index, Fields<particle::Position>{});
       all.held |= static_cast<unsigned>(Fault::escape);
     }
     all.faults |= Bounds::include(p, context, SharesDoNotMatter{}, all.bounds);
     all.heaviest = max(all.heaviest, p[particle::Mass{}]);
     all.lightest = min(all.lightest, p[particle::Mass{}]);
+  }
+
+ private:
+  Launch<Scene, T> const& launch_;
+  Room<T> room_[3];
+};
+
+// What this thread finds in a run of slots. `context`: a copy. The products of its numbers are then made before the loop in
+// every kernel; in the loop they would be joined to sums, to other bits.
+template <class Scene, class T, class Ctx>
+__device__ Findings<T> look_at_particles(Launch<Scene, T> const& launch, std::int64_t env,
+                                         Run const& slots, Ctx const context) {
+  using Look = ParticleLook<Scene, T>;
+  Look const look(launch);
+  Findings<T> all;
+  slots.each([&](int slot) {
+    std::int64_t const index = launch.first_particle(env) + slot;
+    Local<T, typename Look::Used> p;
+    p.load(launch.particles().view, index, typename Look::Reads{});
+    look.at(p, index, context, all);
   });
   return all;
 }
@@ -105,6 +127,25 @@ template <class Scene, class T> struct StepRecord {
   unsigned met[2];  // faults, by substeps: even, odd
   bool moves;       // from the beginning of its step to the end
   bool frozen;
+  // What the step will turn out to be, if it is like the one before. Saves time where it is, and is not used where not.
+  struct {
+    int substeps;  // 0: nothing is expected
+    T heaviest;
+  } expected;
+
+  // Before open.
+  template <class Control>
+  __device__ void expect(Control const& control, Launch<Scene, T> const& launch) {
+    expected = {control.substeps_before(), found.heaviest};
+    if (!(expected.heaviest > T(0))) expected.substeps = 0;
+    if (expected.substeps > 0) clock = control.clock(launch.h, expected.substeps);
+  }
+  __device__ bool as_expected() const {
+    return clock.substeps == expected.substeps && found.heaviest == expected.heaviest;
+  }
+  __device__ FixedPoint<T> expected_fixed_point() const {
+    return FixedPoint<T>::make(expected.heaviest, context.lattice.dx, clock.dt);
+  }
 
   // `chosen`: whether it is to move at all.
   template <class Control>

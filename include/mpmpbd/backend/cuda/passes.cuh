@@ -32,6 +32,20 @@ template <class Stage> struct Single {
   using Loads = stored_t<Reads>;
 };
 
+// Tells the memory of the device that fields of an item are loaded soon: they lie in its cache by then.
+template <class View_, class... Fs>
+__device__ __forceinline__ void announce(View_ const& view, std::int64_t index, Fields<Fs...>) {
+  auto const each_plane = [&]<class F>(F) {
+    for (int c = 0; c < F::components; ++c) {
+      [[maybe_unused]] auto const* const number = view.template plane<F>(c) + index;
+#if defined(__CUDA_ARCH__)
+      asm volatile("prefetch.global.L2 [%0];" : : "l"(number));
+#endif
+    }
+  };
+  (each_plane(Fs{}), ...);
+}
+
 // Faults of a substep, and those that belong to the next one.
 struct Met {
   unsigned now = 0, next = 0;
@@ -41,6 +55,11 @@ template <class Scene, class T> struct ParticlePasses {
   using Body = typename Scene::Body;
   using P2G = ParticlesToGrid<Body, typename Scene::Effects>;
   using G2P = GridToParticles<Body, typename Scene::Effects>;
+  // A coupling may lose an environment in mid-step, which then holds one moment.
+  static constexpr bool brief = !detail::couples<Scene>;
+  using Scattering = Single<P2G>;
+  using Gathering = Single<G2P>;
+  using Both = Fused<G2P, P2G, brief>;
   using Ctx = typename StepRecord<Scene, T>::Ctx;
 
   Launch<Scene, T> const& launch;
@@ -52,18 +71,30 @@ template <class Scene, class T> struct ParticlePasses {
   template <class To = ToGrid>
   __device__ __forceinline__ void scatter(std::int64_t index, Ctx const& next, Met& met,
                                           To const& to = {}) const {
-    visit<Single<P2G>>(
+    visit<Scattering>(
         index, to.has_particle, [](auto&) {}, [&](auto& p) { add(p, next, met, to); });
   }
+  // And looks at it before.
+  __device__ __forceinline__ void look_and_scatter(std::int64_t index, Ctx const& next,
+                                                   ParticleLook<Scene, T> const& look,
+                                                   Findings<T>& found, Met& met) const {
+    visit<Scattering>(
+        index, true,
+        [&](auto& p) {
+          look.at(p, index, next, found);
+          keep_apart(p);
+        },
+        [&](auto& p) { add(p, next, met, ToGrid{}); });
+  }
   __device__ __forceinline__ void gather(std::int64_t index, Ctx const& now, Met& met) const {
-    visit<Single<G2P>>(
+    visit<Gathering>(
         index, true, [&](auto& p) { met.now |= G2P::run(p, velocities(), now); }, [](auto&) {});
   }
   template <class To = ToGrid>
   __device__ __forceinline__ void gather_and_scatter(std::int64_t index, Ctx const& now,
                                                      Ctx const& next, Met& met,
                                                      To const& to = {}) const {
-    visit<Fused<G2P, P2G, brief>>(
+    visit<Both>(
         index, to.has_particle,
         [&](auto& p) {
           met.now |= G2P::run(p, velocities(), now);
@@ -74,8 +105,6 @@ template <class Scene, class T> struct ParticlePasses {
 
  private:
   static constexpr bool looks_back = Body::Transfer::needs_previous_grid;
-  // A coupling may lose an environment in mid-step, which then holds one moment.
-  static constexpr bool brief = !detail::couples<Scene>;
   __device__ __forceinline__ auto sums() const {
     if constexpr (looks_back)
       return SumsOfBoth<T>{{arena, launch.lattice, unit}, before};

@@ -69,7 +69,8 @@ template <class Scene> class ResidentBlock {
   __device__ bool move(std::int64_t env, int s) {
     Record& record = launch_.records[env];
     StepControl const control{launch_.step.fields(env)};
-    if (s == 0) begin(env, control, record);
+    Met met;
+    bool const scattered = s == 0 && begin(env, control, record, met);
     if (!record.moves) return false;
     auto const clock = record.clock;
     auto const unit = record.fixed_point();
@@ -81,17 +82,15 @@ template <class Scene> class ResidentBlock {
       move_items(launch_, env, arena_.velocity, s - 1);
     }
     Passes const passes{launch_.step, arena_, unit};
-    Met met;
-    auto const all = [&](auto const& f) {
-      std::int64_t const first = launch_.step.first_particle(env);
-      Run{0, launch_.step.live_particles(env)}.each([&](int slot) { f(first + slot); });
-    };
-    if (s == 0)
-      all([&](std::int64_t i) { passes.scatter(i, now, met); });
-    else if (s < clock.substeps)
-      all([&](std::int64_t i) { passes.gather_and_scatter(i, before, now, met); });
-    else
-      all([&](std::int64_t i) { passes.gather(i, before, met); });
+    if (s == 0 && !scattered)
+      each_particle<typename Passes::Scattering>(
+          env, [&](std::int64_t i) { passes.scatter(i, now, met); });
+    else if (s > 0 && s < clock.substeps)
+      each_particle<typename Passes::Both>(
+          env, [&](std::int64_t i) { passes.gather_and_scatter(i, before, now, met); });
+    else if (s > 0)
+      each_particle<typename Passes::Gathering>(
+          env, [&](std::int64_t i) { passes.gather(i, before, met); });
     if (s > 0) record.note(met.now, s - 1);
     record.note(met.next, s);
     __syncthreads();
@@ -107,6 +106,17 @@ template <class Scene> class ResidentBlock {
     __syncthreads();
     return true;
   }
+  // What the block visits in its next round is announced to the memory.
+  template <class Pass, class F>
+  __device__ __forceinline__ void each_particle(std::int64_t env, F const& f) const {
+    std::int64_t const first = launch_.step.first_particle(env);
+    int const live = launch_.step.live_particles(env), round = static_cast<int>(blockDim.x);
+    Run{0, live}.each([&](int slot) {
+      if (slot + round < live)
+        announce(launch_.step.particles().view, first + slot + round, typename Pass::Loads{});
+      f(first + slot);
+    });
+  }
   // Counts what the substep before s has met, and ends the step where that was the last or the environment is lost.
   template <class Team_, class Control>
   __device__ static void close(Team_ const& team, Record& record, Control const& control, int s) {
@@ -121,18 +131,23 @@ template <class Scene> class ResidentBlock {
     Run const all{0, Coupling::items(launch.step, env)};
     Coupling::run_items(launch.step, env, nodes, launch.records[env].at(s), all);
   }
-  // Bounds of the present state, and with them the substeps of this step.
+  // Bounds of the present state, and with them the substeps of this step. Particles come from the memory of the device,
+  // and that takes the time: where the step is expected to be like the one before, they are scattered in the same visit,
+  // unless that changes what is stored of them. Returns whether that holds.
   template <class Control>
-  __device__ void begin(std::int64_t env, Control const& control, Record& record) {
+  __device__ bool begin(std::int64_t env, Control const& control, Record& record, Met& met) {
     if (threadIdx.x == 0) {
+      record.expect(control, launch_.step);
       record.open(control, launch_.step.moves(env), launch_.step.lattice);
       found_ = {};
     }
     __syncthreads();
-    if (!record.moves) return;
+    if (!record.moves) return false;
+    constexpr bool leaves_particles = Passes::Scattering::Keeps::count == 0;
+    bool const early = leaves_particles && record.expected.substeps > 0;
     Run const all{0, launch_.step.live_particles(env)};
-    auto const context = record.context;
-    Found mine = look_at_particles(launch_.step, env, all, context);
+    auto mine = early ? look_and_scatter(env, record, met)
+                      : look_at_particles(launch_.step, env, all, record.context);
     mine.held |= lost_bodies(BlockTeam{}, control.env);
     found_.include(mine);
     __syncthreads();
@@ -141,6 +156,22 @@ template <class Scene> class ResidentBlock {
       record.choose(control, launch_.step);
     }
     __syncthreads();
+    bool const holds = early && record.moves && record.as_expected();
+    if (early && !holds) {
+      met = {};
+      arena_.clear_sums();
+      __syncthreads();
+    }
+    return holds;
+  }
+  __device__ Found look_and_scatter(std::int64_t env, Record const& record, Met& met) {
+    Passes const passes{launch_.step, arena_, record.expected_fixed_point()};
+    ParticleLook<Scene, float> const look(launch_.step);
+    auto const now = record.at(0);
+    Found found;
+    each_particle<typename Passes::Scattering>(
+        env, [&](std::int64_t i) { passes.look_and_scatter(i, now, look, found, met); });
+    return found;
   }
   // Where the velocities of an environment are until its particles gather them; sums are the block's.
   __device__ Arena<float> after_forces(std::int64_t env) const {
@@ -172,13 +203,13 @@ template <class Scene> class ResidentBlock {
     StepControl const control{launch.step.fields(env)};
     Velocities<float> const nodes{launch.grids + env * launch.step.lattice.count()};
     if (s > 0)
-      record.note(Coupling::template run<typename Coupling::After>(team, launch.step, env, nodes,
-                                                                   record.at(s - 1), fast),
+      record.note(Coupling::template run_apart<typename Coupling::After>(
+                      team, launch.step, env, nodes, record.at(s - 1), fast),
                   s - 1);
     close(team, record, control, s);
     if (record.moves)
-      record.note(Coupling::template run<typename Coupling::Before>(team, launch.step, env, nodes,
-                                                                    record.at(s), fast),
+      record.note(Coupling::template run_apart<typename Coupling::Before>(
+                      team, launch.step, env, nodes, record.at(s), fast),
                   s);
   }
 
