@@ -1,5 +1,8 @@
 // The tiled form on an emulated device: it gives the bits of the resident form, and moves grids that no block holds.
 // seconds: 25
+#include <cmath>
+#include <limits>
+
 #include <mpmpbd/mpm/transfer/flip.hpp>
 
 #include "catch.hpp"
@@ -105,6 +108,23 @@ TEMPLATE_TEST_CASE("a step unlike the one before has the bits of one that expect
   CHECK(same_everywhere(in_blocks, on_device));
   before(2);
   CHECK(same_everywhere(in_blocks, on_device));
+}
+
+TEST_CASE("a particle set to infinity between two steps loses its environment alone",
+          "[cuda][tiled][status]") {
+  using Run = Simulation<Squeezed, Cuda, float>;
+  auto in_blocks = made<Run>(3, resident), on_device = made<Run>(3, tiled),
+       whole = made<Run>(3, resident);
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  for (Run* run : {&in_blocks, &on_device, &whole}) run->step(step);
+  for (Run* run : {&in_blocks, &on_device}) {
+    run->state().template set<particle::Position>(1, 7, {{infinity, 0.2f, 0.2f}});
+    run->state().template set<particle::Position>(2, 9, {{0.2f, -infinity, std::nanf("")}});
+  }
+  for (Run* run : {&in_blocks, &on_device, &whole}) run->step(step);
+  for (std::int64_t lost : {1, 2}) CHECK(has(in_blocks.status(lost), Fault::not_finite));
+  CHECK(same_everywhere(in_blocks, on_device));
+  CHECK(same_bits(read(in_blocks), 0, read(whole), 0));
 }
 
 TEST_CASE("what a particle brings is rounded to the nearest count", "[cuda][tiled]") {

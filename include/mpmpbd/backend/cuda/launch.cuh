@@ -81,9 +81,10 @@ template <class Scene, class T> class ParticleLook {
     for (int a = 0; a < 3; ++a) room_[a] = Room<T>::template on_axis<Shape>(launch.lattice, a);
   }
 
-  // Adds what is found in p, the particle with that index; it is put back to the border where it is beyond.
+  // Adds what is found in p, the particle with that index; it is put back to the border where it is beyond. Returns whether
+  // its numbers are finite.
   template <class P, class Ctx>
-  __device__ __forceinline__ void at(P& p, std::int64_t index, Ctx const& context,
+  __device__ __forceinline__ bool at(P& p, std::int64_t index, Ctx const& context,
                                      Findings<T>& all) const {
     bool moved = false;
     for (int a = 0; a < 3; ++a) moved = room_[a].hold(p[particle::Position{}][a]) || moved;
@@ -91,9 +92,11 @@ template <class Scene, class T> class ParticleLook {
       p.store(launch_.particles().view, index, Fields<particle::Position>{});
       all.held |= static_cast<unsigned>(Fault::escape);
     }
-    all.faults |= Bounds::include(p, context, SharesDoNotMatter{}, all.bounds);
+    unsigned const faults = Bounds::include(p, context, SharesDoNotMatter{}, all.bounds);
+    all.faults |= faults;
     all.heaviest = max(all.heaviest, p[particle::Mass{}]);
     all.lightest = min(all.lightest, p[particle::Mass{}]);
+    return (faults & static_cast<unsigned>(Fault::not_finite)) == 0;
   }
 
  private:

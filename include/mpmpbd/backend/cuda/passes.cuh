@@ -74,17 +74,18 @@ template <class Scene, class T> struct ParticlePasses {
     visit<Scattering>(
         index, to.has_particle, [](auto&) {}, [&](auto& p) { add(p, next, met, to); });
   }
-  // And looks at it before.
+  // And looks at it before: one that is not finite has no nodes.
   __device__ __forceinline__ void look_and_scatter(std::int64_t index, Ctx const& next,
                                                    ParticleLook<Scene, T> const& look,
                                                    Findings<T>& found, Met& met) const {
+    bool finite = false;
     visit<Scattering>(
         index, true,
         [&](auto& p) {
-          look.at(p, index, next, found);
+          finite = look.at(p, index, next, found);
           keep_apart(p);
         },
-        [&](auto& p) { add(p, next, met, ToGrid{}); });
+        [&](auto& p) { add(p, next, met, ToGrid{finite}); });
   }
   __device__ __forceinline__ void gather(std::int64_t index, Ctx const& now, Met& met) const {
     visit<Gathering>(
