@@ -91,22 +91,22 @@ TEMPLATE_TEST_CASE("a step unlike the one before has the bits of one that expect
   auto o = options<TestType>(2);
   o.substeps = 0;
   Run in_blocks(o, resident), on_device(o, tiled);
-  auto const before = [&](int steps) {
+  auto const substeps_after = [&](int steps) {
     for (Run* run : {&in_blocks, &on_device})
       for (int s = 0; s < steps; ++s) run->step(step);
     return read(on_device).template get<environment::Substeps>(1, 0);
   };
   for (Run* run : {&in_blocks, &on_device})
     for (std::int64_t env : {0, 1}) set_up(*run, env);
-  auto const few = before(2);
+  auto const few = substeps_after(2);
   for (Run* run : {&in_blocks, &on_device}) {
     run->state().template set<particle::Mass>(
         0, 5, 3.0f * run->state().template get<particle::Mass>(0, 5));
     run->template set<NeoHookean>(1, lame(2e6, 0.4));
   }
-  CHECK(before(1) > few);
+  CHECK(substeps_after(1) > few);
   CHECK(same_everywhere(in_blocks, on_device));
-  before(2);
+  substeps_after(2);
   CHECK(same_everywhere(in_blocks, on_device));
 }
 
