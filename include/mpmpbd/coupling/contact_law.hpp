@@ -57,6 +57,12 @@ enum class Hold : int {
   full,   // a tip at its cap
 };
 
+// Which holds of the last substep are tried first in the next: a limit of which the impulse is so large a share, friction
+// that opposes the slip so nearly (cosine). A trial judges them like any other; these numbers cost trials, not physics.
+struct Resumption {
+  static constexpr double share_of_limit = 0.75, alignment = 0.9;
+};
+
 template <class T> struct Response {
   T isotropic, axial;
   Vec3<T> offset;
@@ -134,12 +140,38 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
     return p.contact == Contact::surface ? sideways(p, a) : dot(p.axis, a) * p.axis;
   }
 
+  // The hold to try first in a substep, and the friction if it is to slide on: as the last substep left it,
+  // as far as what the point carries of its impulse and the slip u - N V that follows from it tell. Who slid,
+  // and slides on much the same way, has his friction turn with the slip.
+  MPMPBD_HD Hold begins(ContactPoint<T> const& p, Vec3<T> const& carried, Vec3<T> const& slip,
+                        Vec3<T>& slip_impulse) const {
+    slip_impulse = {};
+    T const at_limit = T(Resumption::share_of_limit), same_way = T(Resumption::alignment);
+    if (is_one_sided(p)) {
+      T const push = dot(p.axis, carried);
+      if (!(push > T(0))) return Hold::open;
+      if (p.contact == Contact::tip)
+        return push > at_limit * p.force_cap * dt ? Hold::full : first_hold;
+    }
+    if constexpr (grips) {
+      if (p.contact == Contact::tied) return first_hold;
+      Vec3<T> const friction_before = slip_part(p, carried), slides = slip_part(p, slip);
+      T const cap = friction_cap(p, carried), size = norm(friction_before), speed = norm(slides);
+      if (size > at_limit * cap && -dot(friction_before, slides) > same_way * size * speed) {
+        slip_impulse = -cap / speed * slides;
+        return Hold::slide;
+      }
+    }
+    return first_hold;
+  }
+
   // The hold to try after a sweep that ended with `hold`, and the friction if it is to slide on: that of
   // the impulse which the point carries by now. A one-sided point that carries none starts open.
   MPMPBD_HD Hold resumes(ContactPoint<T> const& p, Hold hold, Vec3<T> const& carried,
                          Vec3<T>& slip_impulse) const {
     slip_impulse = {};
     if (is_one_sided(p) && !(dot(p.axis, carried) > T(0))) return Hold::open;
+    if (hold == Hold::full) return hold;
     if constexpr (grips) {
       Vec3<T> const along = slip_part(p, carried);
       T const size = norm(along);

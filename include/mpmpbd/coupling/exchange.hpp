@@ -311,6 +311,11 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
+  // u - N V as the warm start leaves it, before any trial: `trial` has the response to the whole offer still.
+  MPMPBD_HD Vec3<T> slip_at_start(int q) const {
+    return x.work[q].u - (velocity_alone(q) + x.scratch->share * body_velocity(q));
+  }
+
   // Adds two numbers f(q) up over the points that are on, in their order; one lane gives the sums to use(sums).
   template <class F, class Use> MPMPBD_HD void sum_over_all(F const& f, Use const& use) const {
     team.each(x.count(), [&](int q) {
@@ -424,7 +429,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   // fewer of them wrong, else one at a time. Should it not end, they only let go until none pulls and no tip exceeds
   // its cap: these limits are hard. Letting go alone would not do: held at once by all its points, a stiff
   // thread pulls at every second one, and it would end with none.
-  MPMPBD_HD void find_holds(bool first) const {
+  MPMPBD_HD void find_holds() const {
     Revision how = Revision::yield;
     int trials = 0, fewest = x.count() + 1, left = patience;
     for (bool fresh = true;;) {  // holds that no trial has seen
@@ -435,7 +440,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       bool all = true;
       switch (how) {
         case Revision::yield:
-          if (!fresh && (first || !Law::grips)) return;
+          if (!fresh && !Law::grips) return;
           how = Revision::reconsider;
           break;
         case Revision::reconsider:
@@ -453,17 +458,20 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     }
   }
 
-  // After observe(). The first sweep tries every point in stick; the second goes on with what the first
-  // found, at the friction of the lateral load it left. The load of the stick trial itself is not that
-  // load: in a bend, points that hold a moving thread along also press it aside, by about v m / dt.
+  // After observe(). The first sweep begins as the last substep ended; what it cannot tell is tried in stick. The
+  // second goes on with what the first found, at the friction of the lateral load it left. The load of the
+  // stick trial itself is not that load: in a bend, points that hold a moving thread along also press it
+  // aside, by about v m / dt.
   MPMPBD_HD void sweep(bool first) const {
     team.each(x.count(), [&](int q) {
+      if (!x.on[q]) return;
+      ContactPoint<T> const& p = x.points[q];
       PointWork<T>& w = x.work[q];
-      Hold const before = first ? Law::first_hold : w.hold;
-      w.hold = law.resumes(x.points[q], before, w.J, w.slip_impulse);
+      w.hold = first ? law.begins(p, w.J, slip_at_start(q), w.slip_impulse)
+                     : law.resumes(p, w.hold, w.J, w.slip_impulse);
     });
     team.sync();
-    find_holds(first);
+    find_holds();
     push_nodes([&](int q) { return x.work[q].dJ; },
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.velocity += dv; });
     team.each(x.count(), [&](int q) {
