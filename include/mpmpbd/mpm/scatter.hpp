@@ -209,17 +209,17 @@ template <class Body> struct Scatter {
     Change const along_y = w_x * N::all(q.gradient[1]);
     Change across_y, across_z;
     if constexpr (slopes) {
-      column = column + N::each(w.x.slope + i) * N::all(q.impulse[0]);
+      column = add_product(column, N::each(w.x.slope + i), N::all(q.impulse[0]));
       across_y = w_x * N::all(q.impulse[1]), across_z = w_x * N::all(q.impulse[2]);
     }
     for (int k = 0; k < Shape::width; ++k) {
       if (k > 0) column = add_product(column, w_x, N::all(q.gradient[2]));
       V row = w.z.weight[k] * column;
-      if constexpr (slopes) row = row + w.z.slope[k] * across_z;
+      if constexpr (slopes) row = add_product(row, w.z.slope[k], across_z);
       for (int j = 0; j < Shape::width; ++j) {
         if (j > 0) row = add_product(row, w.z.weight[k], along_y);
         V sum = w.y.weight[j] * row;
-        if constexpr (slopes) sum = sum + w.y.slope[j] * (w.z.weight[k] * across_y);
+        if constexpr (slopes) sum = add_product(sum, w.y.slope[j], w.z.weight[k] * across_y);
         if constexpr (previous)
           nodes.row(j, k).add_previous(i, sum);
         else
