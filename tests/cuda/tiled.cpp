@@ -110,9 +110,10 @@ TEMPLATE_TEST_CASE("a step unlike the one before has the bits of one that expect
   CHECK(same_everywhere(in_blocks, on_device));
 }
 
-TEST_CASE("a particle set to infinity between two steps loses its environment alone",
-          "[cuda][tiled][status]") {
-  using Run = Simulation<Squeezed, Cuda, float>;
+// Tissue alone is scattered while it is looked at.
+TEMPLATE_TEST_CASE("a particle set to infinity between two steps loses its environment alone",
+                   "[cuda][tiled][status]", Alone, Squeezed) {
+  using Run = Simulation<TestType, Cuda, float>;
   auto in_blocks = made<Run>(3, resident), on_device = made<Run>(3, tiled),
        whole = made<Run>(3, resident);
   constexpr float infinity = std::numeric_limits<float>::infinity();

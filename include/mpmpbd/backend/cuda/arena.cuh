@@ -20,7 +20,8 @@ template <> struct NumbersOf<float> {
   using Unsigned = unsigned;
   static constexpr float scale = 4194304.0f;  // 2^22
   // For |a| up to `scale`, the most that a particle brings to a node: 3 x 2^22 more, and the whole numbers are the last bits
-  // of a float. The sum joins the product before it, and no conversion is waited for.
+  // of a float. The sum joins the product before it, and no conversion is waited for. NaN is some number; gather, which
+  // finds it, gives its environment up.
   __device__ __forceinline__ static Integer nearest(float a) {
     constexpr float whole = 3.0f * scale;
     constexpr int bits_of_whole = 0x4b400000;
