@@ -82,6 +82,11 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
     return a - dot(p.axis, a) * p.axis;
   }
 
+  // Whether the impulse is a given one, which is not what hinders the slip best.
+  MPMPBD_HD static constexpr bool is_limit(Hold hold) {
+    return hold == Hold::full || (grips && hold == Hold::slide);
+  }
+
   // What of last substep's impulse may be offered again, now that axes have turned.
   MPMPBD_HD Vec3<T> carried(ContactPoint<T> const& p, Vec3<T> const& impulse) const {
     T const along = dot(p.axis, impulse);
@@ -141,8 +146,8 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
   }
 
   // The hold to try first in a substep, and the friction if it is to slide on: as the last substep left it,
-  // as far as what the point carries of its impulse and the slip u - N V that follows from it tell. Who slid,
-  // and slides on much the same way, has his friction turn with the slip.
+  // as far as what the point carries of its impulse and the slip u - N V that follows from it tell. Where it
+  // slid, and slides on much the same way, friction turns with the slip.
   MPMPBD_HD Hold begins(ContactPoint<T> const& p, Vec3<T> const& carried, Vec3<T> const& slip,
                         Vec3<T>& slip_impulse) const {
     slip_impulse = {};

@@ -197,7 +197,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.one([&] {
       ExchangeScratch<T>& s = *x.scratch;
       RigidBody<T> const& b = *x.needle;
-      s.failed = s.revised = 0;
+      s.failed = s.revised = s.resumed = 0;
       s.end.present = dynamic();
       s.end.swaged = dynamic() && b.swaged;
       s.end.arm = x.thread.beads > 0 ? x.thread.position[x.thread.beads - 1] - b.centre : Vec3<T>{};
@@ -469,6 +469,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       PointWork<T>& w = x.work[q];
       w.hold = first ? law.begins(p, w.J, slip_at_start(q), w.slip_impulse)
                      : law.resumes(p, w.hold, w.J, w.slip_impulse);
+      if (first && Law::is_limit(w.hold)) team.add(x.scratch->resumed, 1);
     });
     team.sync();
     find_holds();
@@ -480,11 +481,11 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
-  // Friction and one-sided contact choose their holds by trial, which is not a proof. Along the line from
+  // Friction and one-sided contact choose their holds by trial, or as the last substep did, which is not a proof. Along the line from
   // the motion without tissue (share 0) to the motion found (share 1) the energy is a parabola: where it
   // would end higher than it began, its minimum is taken. All limits are cones, so they hold there too.
   MPMPBD_HD void guard_energy() const {
-    if (x.scratch->revised == 0) return;
+    if (x.scratch->revised == 0 && x.scratch->resumed == 0) return;
     observe();
     find_safe_share();
     T const share = x.scratch->share;

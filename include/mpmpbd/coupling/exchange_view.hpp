@@ -52,6 +52,7 @@ template <class T> struct ExchangeScratch {
   T share;                       // of the impulses on offer that is taken
   int changed;                   // holds that the last trial found wrong
   int revised;                   // whether any was in the whole exchange
+  int resumed;                   // points that began it at a limit: sliding, or at a cap
   int failed;
 
   // Velocity and spin of the needle [m/s, rad/s]: with thread and needle solved without tissue, and in the present trial.
