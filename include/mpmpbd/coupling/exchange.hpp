@@ -14,10 +14,12 @@ namespace mpmpbd {
 namespace detail {
 
 // How often at most one-sided points let go and take hold again, one pass each, and after that only let go;
-// how many of these trials may leave as many of them wrong as before.
+// how many of these trials may leave as many of them wrong as before, or one.
 inline constexpr int most_trials = 16, most_releases = 8, patience = 3;
 
-enum class Revision { yield, reconsider, settle, release };
+// How a trial is judged: what lets go, slides or is at its cap; what was wrong in that (regrip: in the first sweep); which
+// one-sided points touch; and which of these have to let go.
+enum class Revision { yield, regrip, reconsider, settle, release };
 
 template <class Team_, class T, class Form, class Nodes> struct Exchange {
   using View_ = ExchangeView<T, Form>;
@@ -388,6 +390,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     switch (how) {
       case Revision::yield:
         return one_sided ? settles(q) : yields(q);
+      case Revision::regrip:
+        return x.work[q].hold == Hold::open ? settles(q) : reconsiders(q);
       case Revision::reconsider:
         return reconsiders(q);
       case Revision::settle:
@@ -411,7 +415,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     return is_one_sided(x.points[q]) && next == w.hold ? yields(q) : next;
   }
   // What takes hold again slides freely until the next sweep. If it stuck, it could pull although it would push
-  // when it slides, and trials would go on for ever.
+  // when it slides, and trials would go on for ever. The first sweep, whose loads alone matter, does not try that at all.
   MPMPBD_HD Hold settles(int q) const {
     PointWork<T>& w = x.work[q];
     if (w.hold != Hold::open && w.hold != Hold::full) return yields(q);
@@ -426,12 +430,12 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   //
   // Which one-sided points touch is a linear complementarity problem, solved by block principal pivoting (Judice
   // and Pires 1994): those that pull let go, those that would go in take hold, all at once while that leaves
-  // fewer of them wrong, else one at a time. Should it not end, they only let go until none pulls and no tip exceeds
-  // its cap: these limits are hard. Letting go alone would not do: held at once by all its points, a stiff
-  // thread pulls at every second one, and it would end with none.
-  MPMPBD_HD void find_holds() const {
+  // fewer of them wrong, else one at a time. Should it not end, or a last one be wrong whatever it does, they only let go
+  // until none pulls and no tip exceeds its cap: these limits are hard. Letting go alone would not do: held at once by all
+  // its points, a stiff thread pulls at every second one, and it would end with none.
+  MPMPBD_HD void find_holds(bool first) const {
     Revision how = Revision::yield;
-    int trials = 0, fewest = x.count() + 1, left = patience;
+    int trials = 0, fewest = x.count() + 1, left = patience, of_one = 0;
     for (bool fresh = true;;) {  // holds that no trial has seen
       if (fresh) pass();
       if (trials == most_trials + most_releases) return;
@@ -441,8 +445,9 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       switch (how) {
         case Revision::yield:
           if (!fresh && !Law::grips) return;
-          how = Revision::reconsider;
+          how = first ? Revision::regrip : Revision::reconsider;
           break;
+        case Revision::regrip:
         case Revision::reconsider:
           if (!fresh) return;
           how = Revision::settle;
@@ -452,7 +457,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
           left = wrong < fewest ? patience : left - 1;
           fewest = min(fewest, wrong);
           all = how == Revision::release || left >= 0;
-          if (++trials == most_trials) how = Revision::release;
+          of_one = wrong == 1 ? of_one + 1 : 0;
+          if (++trials == most_trials || of_one > patience) how = Revision::release;
       }
       if (fresh) adopt(all);
     }
@@ -472,7 +478,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       if (first && Law::is_limit(w.hold)) team.add(x.scratch->resumed, 1);
     });
     team.sync();
-    find_holds();
+    find_holds(first);
     push_nodes([&](int q) { return x.work[q].dJ; },
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.velocity += dv; });
     team.each(x.count(), [&](int q) {
