@@ -486,3 +486,39 @@ TEST_CASE("an impulse and its moment arrive whole", "[coupling][A4.8]") {
   CHECK(corrected < 1e-11);
   CHECK(plain > 1e-2);
 }
+
+// In one visit of the nodes, with sums instead of weights.
+TEST_CASE("the mean around a point is the one that its weights give", "[coupling][A4.8]") {
+  Draw d(29);
+  int used = 0;
+  double worst = 0, least_mass = 1;
+  for (int n = 0; n < 500; ++n) {
+    auto r = random_rig<double, Slippery>(d, {.surface = true});
+    Vec3<double> const x =
+        unit.length * vec(3 + 5 * d.uniform(), 3 + 5 * d.uniform(), 3 + 3.2 * d.uniform());
+    double const nothing = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t i = 0; i < r.mass.size(); ++i)
+      if (r.mass[i] == 0) r.velocity[i] = vec(nothing, nothing, nothing);
+    double w[27];
+    int node[27];
+    double const mass = mpmpbd::embedding_weights<Q>(r.lattice, x, r.nodes(), w, node);
+    auto const mean = mpmpbd::embedded_mean<Q>(r.lattice, x, r.nodes(),
+                                               [&](int i) { return r.velocity[std::size_t(i)]; });
+    CHECK(mean.mass == mass);
+    if (!(mass > 0)) continue;
+    used += 1;
+    least_mass = std::min(least_mass, mass / unit.mass());
+    Vec3<double> sum{};
+    double size = 0;
+    for (int a = 0; a < 27; ++a)
+      if (w[a] != 0) {
+        Vec3<double> const v = r.velocity[std::size_t(node[a])];
+        sum += w[a] * v, size += std::abs(w[a]) * norm(v);
+      }
+    worst = std::max(worst, norm(mean.value - sum) / size);
+  }
+  CHECK(used > 300);
+  CHECK(used < 500);
+  CHECK(least_mass < 0.1);  // also where the correction is great
+  CHECK(worst < 1e-13);
+}

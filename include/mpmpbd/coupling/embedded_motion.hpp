@@ -14,11 +14,9 @@ template <class Shape, class Grid, class T> struct TissueVelocity {
   Lattice<T> lattice;
 
   MPMPBD_HD Vec3<T> operator()(Vec3<T> const& x) const {
-    Vec3<T> v{};
-    T const mass = for_each_embedding_weight<Shape>(lattice, x, grid, [&](int, int node, T weight) {
-      if (weight != T(0)) v += weight * grid.velocity(node);
-    });
-    return mass > T(0) ? v : averaged(x);
+    auto const mean =
+        embedded_mean<Shape>(lattice, x, grid, [&](int node) { return grid.velocity(node); });
+    return mean.mass > T(0) ? mean.value : averaged(x);
   }
 
  private:

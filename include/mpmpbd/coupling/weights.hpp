@@ -63,7 +63,7 @@ template <class T> struct Surroundings {
   Vec3<T> slope;
   T rest;
 };
-// Calls note(a, w m) for every node.
+// Calls note(a, node, w m, d) for every node.
 template <class Shape, class T, class Nodes, class Note>
 MPMPBD_INLINE Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourhood<T> const& near,
                                            Nodes const& nodes, Note const& note) {
@@ -76,7 +76,7 @@ MPMPBD_INLINE Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourh
   for_each_node<Shape>(lattice, near, [&](int a, int i, T w, Vec3<T> const& d) {
     T const wm = w * nodes.mass(i);
     total += wm;
-    note(a, wm);
+    note(a, i, wm, d);
     first += wm * d;
     xx += wm * (d[0] * d[0]), xy += wm * (d[0] * d[1]), xz += wm * (d[0] * d[2]);
     yy += wm * (d[1] * d[1]), yz += wm * (d[1] * d[2]), zz += wm * (d[2] * d[2]);
@@ -96,39 +96,52 @@ MPMPBD_INLINE Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourh
 
 // Weights of a point over the nodes that have mass, corrected so that they sum to one and reproduce
 // linear fields there too: impulse and moment of a point then reach the grid whole, even where the point
-// is near a free surface and some of its nodes are empty. Calls use(a, node, weight) for every node.
+// is near a free surface and some of its nodes are empty. Into arrays of nodes_per_point<Shape>.
 //
 // Returns sum w m of the plain weights. It is 0, and the point unusable, when the nodes with mass lie in
 // one plane, or all on one side so that the correction would exceed 8: on a flat surface from 0.47 cells above it,
-// just before Grip::at_all lets go (0.515). Nothing is called then.
-template <class Shape, class T, class Nodes, class Use>
-MPMPBD_INLINE T for_each_embedding_weight(Lattice<T> const& lattice, Vec3<T> const& x,
-                                          Nodes const& nodes, Use const& use) {
-  auto const near = detail::neighbourhood<Shape>(lattice, x);
-  T plain[nodes_per_point<Shape>];
-  auto const s =
-      detail::surroundings<Shape>(lattice, near, nodes, [&](int a, T wm) { plain[a] = wm; });
-  if (!(s.mass > T(0))) return T(0);
-  T const share = T(1) / (s.rest * s.mass);
-  detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T, Vec3<T> const& d) {
-    use(a, i, plain[a] * (share * (1 - dot(s.slope, d))));
-  });
-  return s.mass;
-}
-// The same into arrays of nodes_per_point<Shape>; where the point is unusable they are left alone.
+// just before Grip::at_all lets go (0.515). The arrays are left alone then.
 template <class Shape, class T, class Nodes>
 MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes,
                               T* weight, int* node) {
-  return for_each_embedding_weight<Shape>(lattice, x, nodes, [&](int a, int i, T w) {
-    weight[a] = w;
+  auto const near = detail::neighbourhood<Shape>(lattice, x);
+  T plain[nodes_per_point<Shape>];
+  auto const s = detail::surroundings<Shape>(
+      lattice, near, nodes, [&](int a, int, T wm, Vec3<T> const&) { plain[a] = wm; });
+  if (!(s.mass > T(0))) return T(0);
+  T const share = T(1) / (s.rest * s.mass);
+  detail::for_each_node<Shape>(lattice, near, [&](int a, int i, T, Vec3<T> const& d) {
+    weight[a] = plain[a] * (share * (1 - dot(s.slope, d)));
     node[a] = i;
   });
+  return s.mass;
+}
+// The mean of f(node) with these weights, in one visit of the nodes; what f is where there is no mass has no part in it.
+// `mass` is 0, and there is no mean, where the point is unusable.
+template <class T> struct EmbeddedMean {
+  Vec3<T> value;
+  T mass;
+};
+template <class Shape, class T, class Nodes, class F>
+MPMPBD_HD EmbeddedMean<T> embedded_mean(Lattice<T> const& lattice, Vec3<T> const& x,
+                                        Nodes const& nodes, F const& f) {
+  auto const near = detail::neighbourhood<Shape>(lattice, x);
+  Vec3<T> sum{}, moment[3]{};  // sum w m f, sum w m f d
+  auto const s =
+      detail::surroundings<Shape>(lattice, near, nodes, [&](int, int i, T wm, Vec3<T> const& d) {
+        Vec3<T> const value = f(i), part = wm != T(0) ? wm * value : Vec3<T>{};
+        sum += part;
+        for (int c = 0; c < 3; ++c) moment[c] += d[c] * part;
+      });
+  if (!(s.mass > T(0))) return {};
+  for (int c = 0; c < 3; ++c) sum -= s.slope[c] * moment[c];
+  return {T(1) / (s.rest * s.mass) * sum, s.mass};
 }
 // The same sum alone.
 template <class Shape, class T, class Nodes>
 MPMPBD_HD T mass_around(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes) {
   auto const near = detail::neighbourhood<Shape>(lattice, x);
-  return detail::surroundings<Shape>(lattice, near, nodes, [](int, T) {}).mass;
+  return detail::surroundings<Shape>(lattice, near, nodes, [](int, int, T, Vec3<T> const&) {}).mass;
 }
 
 }  // namespace mpmpbd

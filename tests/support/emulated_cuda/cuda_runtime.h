@@ -116,12 +116,27 @@ class Block {
       return from;
     };
   }
+  // A copy of the present thread is made when it waits for it, as late as can be.
+  void promise(void* to, void const* from, std::size_t bytes) {
+    fibers_[threadIdx.x].promised.push_back({to, from, bytes});
+  }
+  void keep_promises() {
+    auto& all = fibers_[threadIdx.x].promised;
+    for (Copy const& c : all) std::memcpy(c.to, c.from, c.bytes);
+    all.clear();
+  }
 
  private:
   static constexpr unsigned first_warp_barrier = 1000;
   static constexpr std::size_t stack_bytes = std::size_t{1} << 18;
+  struct Copy {
+    void* to;
+    void const* from;
+    std::size_t bytes;
+  };
   struct Fiber {
     ucontext_t context;
+    std::vector<Copy> promised;
     bool waits = false, ended = false, turn = false;
   };
   struct WarpValues {
@@ -198,6 +213,7 @@ inline void __barrier_sync_count(unsigned id, unsigned count) {
   emulated::Block::running()->wait(id, count);
 }
 inline void __threadfence_block() {}
+inline void __threadfence() {}
 inline void __syncwarp(unsigned) { emulated::Block::running()->gather(0); }
 inline int __shfl_sync(unsigned, int value, int lane) {
   return emulated::Block::running()->gather(value)(static_cast<unsigned>(lane));

@@ -4,6 +4,8 @@
 // and their order is not repeatable, while integers may be added in any order.
 #pragma once
 
+#include <cuda_pipeline_primitives.h>
+
 #include <mpmpbd/backend/cuda/team.cuh>
 #include <mpmpbd/core/quad.hpp>
 #include <mpmpbd/core/status.hpp>
@@ -78,24 +80,13 @@ template <class T> struct Velocities {
   }
   __device__ T mass(int n) const { return data[n].w; }
 
-  // By all threads of the block, several loads of each on their way.
-  __device__ void copy(Velocities const& from, int count) const {
-    constexpr int some = 4;
-    int const step = static_cast<int>(blockDim.x);
-    int i = static_cast<int>(threadIdx.x);
-    for (; i + (some - 1) * step < count; i += some * step) {
-      Four loaded[some];
-#if defined(__CUDACC__)
-#pragma unroll
-#endif
-      for (int k = 0; k < some; ++k) loaded[k] = from.data[i + k * step];
-#if defined(__CUDACC__)
-#pragma unroll
-#endif
-      for (int k = 0; k < some; ++k) data[i + k * step] = loaded[k];
-    }
-    for (; i < count; i += step) data[i] = from.data[i];
+  // A copy by all threads of the block that goes on while they work: it is there after end_copy() and a barrier.
+  __device__ void begin_copy(Velocities const& from, int count) const {
+    for (int i = static_cast<int>(threadIdx.x); i < count; i += static_cast<int>(blockDim.x))
+      __pipeline_memcpy_async(data + i, from.data + i, sizeof(Four));
+    __pipeline_commit();
   }
+  __device__ static void end_copy() { __pipeline_wait_prior(0); }
 };
 
 // Float: 16 B of velocity and 16 B of sums per node.

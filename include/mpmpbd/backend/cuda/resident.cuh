@@ -61,23 +61,33 @@ template <class Scene> class ResidentBlock {
   // Particles and grids of all environments to substep s. Returns whether there is one that still moves.
   __device__ bool move_all(int s) {
     bool any = false;
+    fetch(blockIdx.x, s);
     for (std::int64_t env = blockIdx.x; env < launch_.environments; env += gridDim.x)
       any = move(env, s) || any;
     return any;
   }
-  // Between two calls, sums are zero; in a scene without coupling, the grid stays.
+  // A coupling has put the grid of an environment by. Begins to bring it back: the grid that is here has been gathered.
+  __device__ void fetch(std::int64_t env, int s) const {
+    if constexpr (Coupling::any)
+      if (s > 0 && env < launch_.environments && launch_.records[env].moves)
+        arena_.velocity.begin_copy(after_forces(env).velocity, arena_.count);
+  }
+  // Between two calls, sums are zero; in a scene without coupling, the grid stays, else that of the next is on its way.
   __device__ bool move(std::int64_t env, int s) {
     Record& record = launch_.records[env];
     StepControl const control{launch_.step.fields(env)};
     Met met;
     bool const scattered = s == 0 && begin(env, control, record, met);
-    if (!record.moves) return false;
+    if (!record.moves) {
+      fetch(env + gridDim.x, s);
+      return false;
+    }
     auto const clock = record.clock;
     auto const unit = record.fixed_point();
     auto const before = record.at(s - 1), now = record.at(s);
     auto const grid = after_forces(env);
     if (Coupling::any && s > 0) {
-      arena_.velocity.copy(grid.velocity, arena_.count);
+      arena_.velocity.end_copy();
       __syncthreads();
       move_items(launch_, env, arena_.velocity, s - 1);
     }
@@ -102,6 +112,7 @@ template <class Scene> class ResidentBlock {
         return false;
       }
     }
+    fetch(env + gridDim.x, s);
     if (s < clock.substeps) record.note(move_nodes<Move>(grid, Run{0, arena_.count}, now, unit), s);
     __syncthreads();
     return true;
