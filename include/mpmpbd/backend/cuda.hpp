@@ -16,7 +16,8 @@ namespace mpmpbd {
 // Where to run.
 struct Cuda {
   // resident: a thread block holds the grid of an environment in shared memory; a step is one launch. tiled: grids in the
-  // memory of the device, of any size; a step is 3 launches per substep. automatic: resident where it fits.
+  // memory of the device, of any size; a step is 3 launches per substep. automatic: resident where it fits. A scene of
+  // threads alone has no grid: leave it automatic; a step is one launch.
   enum class Execution { automatic, resident, tiled };
 
   int device = 0;

@@ -195,7 +195,8 @@ template <class... Policies> struct Pbd {
     std::uint32_t faults = 0;
     for (int s = 0; s < substeps; ++s) {
       forces(team, env, tick);
-      faults |= predict(team, env, tick) | solve(team, env, tick);
+      faults |= predict(team, env, tick);
+      faults |= solve(team, env, tick);
       faults |= finish(team, env, tick);
     }
     return faults;

@@ -106,7 +106,9 @@ template <class Scene, class T> struct Couple {
   template <class Team_, class Env, class... Ss>
   __device__ static std::uint32_t run_all(Team_ const& team, Env const& env, Nodes_ const& nodes,
                                           Ctx const& context, TypeList<Ss...>) {
-    return (run_by_team<Ss>(team, env, context, nodes) | ... | 0u);
+    std::uint32_t faults = 0;
+    ((faults |= run_by_team<Ss>(team, env, context, nodes)), ...);
+    return faults;
   }
 };
 

@@ -10,6 +10,9 @@
 
 namespace mpmpbd::cuda {
 
+// Of a block, as a caller may choose them.
+inline constexpr int fewest_threads = 128, most_threads = 512;
+
 template <class Scene, class T> struct Launch {
   TablesOf<Scene, T> tables;
   Lattice<T> lattice;

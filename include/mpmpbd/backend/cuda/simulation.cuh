@@ -3,28 +3,12 @@
 
 #include <algorithm>
 
-#include <mpmpbd/backend/cuda.hpp>
-#include <mpmpbd/backend/cuda/memory.cuh>
-#include <mpmpbd/backend/cuda/resident.cuh>
-#include <mpmpbd/backend/cuda/tiled.cuh>
+#include <mpmpbd/backend/cuda/execution.cuh>
+#include <mpmpbd/backend/cuda/planes.cuh>
 
 namespace mpmpbd {
 
 namespace cuda {
-
-// Puts environments back to a remembered state; a block each.
-template <class Scene, class T>
-__global__ void reset(TablesOf<Scene, T> const tables, TablesOf<Scene, T> const initial,
-                      unsigned char const* mask) {
-  std::int64_t const env = blockIdx.x;
-  if (mask != nullptr && mask[env] == 0) return;
-  auto const fields = tables.environment(env);
-  auto const episode = fields.template get<environment::Episode>(0);
-  __syncthreads();
-  tables.copy_environment(env, initial, env);
-  __syncthreads();
-  if (threadIdx.x == 0) fields.template set<environment::Episode>(0, episode + 1);
-}
 
 // A run as kernels see it: its state, the one that it returns to, and its grid.
 template <class Scene, class T> struct StateOnDevice {
@@ -32,77 +16,39 @@ template <class Scene, class T> struct StateOnDevice {
   Lattice<T> lattice;
 };
 
-// Where the planes of a store lie within one piece of memory.
-template <class Store> struct Layout {
-  template <class F> static std::size_t bytes_of(Store const& store) {
-    return store.template table<typename F::Domain>().template planes<F>().size() *
-           sizeof(element_t<F, typename Store::Scalar>);
-  }
-  static std::size_t aligned(std::size_t n) { return (n + 255) / 256 * 256; }
-
-  // Calls f(F, bytes, offset) for every field and g(D, bytes, offset) for the live counts of every domain; returns
-  // the bytes of all.
-  template <class OnField, class OnDomain>
-  static std::size_t walk(Store const& store, OnField&& f, OnDomain&& g) {
-    std::size_t at = 0;
-    for_each_field(typename Store::List{}, [&]<class F>(F field) {
-      std::size_t const n = bytes_of<F>(store);
-      f(field, n, at);
-      at += aligned(n);
-    });
-    for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D> domain) {
-      std::size_t const n = static_cast<std::size_t>(store.environments()) * sizeof(std::int64_t);
-      g(domain, n, at);
-      at += aligned(n);
-    });
-    return at;
-  }
-  static std::size_t bytes(Store const& store) {
-    return walk(
-        store, [](auto...) {}, [](auto...) {});
-  }
-};
-
 }  // namespace cuda
 
 template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
-  static_assert(
-      Scene_::has_body,
-      "mpmpbd Simulation<Scene, Cuda>: threads without tissue do not run on a device yet; take "
-      "Serial or Threads");
-  static_assert(
-      has_bounded_stiffness<typename Scene_::Body>,
-      "mpmpbd Simulation<Scene, Cuda>: the stable step of linear splines hangs on who shares a "
-      "node, which is not looked at on a device yet; take QuadraticBSpline or CubicBSpline");
   using Layout = cuda::Layout<Store>;
   using Tables = cuda::TablesOf<Scene, T>;
-  static constexpr int fewest_threads = 128, most_threads = 512;
-  // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
-  static constexpr bool looks_back = Scene_::Body::Transfer::needs_previous_grid;
-  static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
-  // Scenes that only store more have these in common, kernels and all. Spelled out: what nvcc generates for a kernel names
-  // its scene as it is written here, and may not name a member of this class.
-  using Resident = cuda::ResidentSteps<typename Scene_::Stepped, most_threads>;
-  using Tiled = cuda::TiledSteps<typename Scene_::Stepped, T>;
+  // Scenes that only store more have their steps in common, kernels and all.
+  using Stepped = typename Scene_::Stepped;
+  using Execution = cuda::Execution<typename Scene_::Stepped, T>;
 
   Cuda where;
   cudaStream_t stream;
-  std::int64_t grid_bytes, shared_limit = 0, processors = 0;
-  bool is_resident = true;
-  cuda::Memory now, initial, work, mask;
-  Resident resident;
-  Tiled tiled;
+  Execution execution;
+  cuda::Memory now, initial, planes, work, mask;
+  int plane_count = 0;
   std::size_t work_stride = 0, slots_at = 0;
   std::int64_t fast_bytes = 0;  // that help a coupling, in shared memory
 
   Device(Cuda where_, Base const& run)
-      : where(where_),
-        stream(static_cast<cudaStream_t>(where_.stream)),
-        grid_bytes(Resident::shared_bytes(run.lattice().count())) {
-    if (where.threads < fewest_threads || where.threads > most_threads || where.threads % 32 != 0)
+      : where(checked(where_, run)),
+        stream(static_cast<cudaStream_t>(where.stream)),
+        execution(on_its_device(where, run)) {
+    cuda::OnDevice const here(where.device);
+    take_memory(run);
+  }
+
+  // Refuses what no device does, and a device that there is not.
+  static Cuda const& checked(Cuda const& where, Base const& run) {
+    if (where.threads < cuda::fewest_threads || where.threads > cuda::most_threads ||
+        where.threads % 32 != 0)
       throw std::invalid_argument("mpmpbd Cuda: threads = " + std::to_string(where.threads) +
-                                  "; give a multiple of 32 from " + std::to_string(fewest_threads) +
-                                  " to " + std::to_string(most_threads));
+                                  "; give a multiple of 32 from " +
+                                  std::to_string(cuda::fewest_threads) + " to " +
+                                  std::to_string(cuda::most_threads));
     if (run.options().strict)
       throw std::invalid_argument(
           "mpmpbd Cuda: strict = true; a device finds the stable limit inside the step and sets "
@@ -114,72 +60,27 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                " asked for; there are " + std::to_string(count) +
                                " with a working driver");
     }
+    return where;
+  }
+  static Execution on_its_device(Cuda const& where, Base const& run) {
     cuda::OnDevice const here(where.device);
-    shared_limit = attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
-    processors = attribute(cudaDevAttrMultiProcessorCount);
-    is_resident = where.execution == Cuda::Execution::automatic
-                      ? fits()
-                      : where.execution == Cuda::Execution::resident;
-    if (is_resident)
-      prepare_resident();
-    else
-      check_tiled(run);
-    take_memory(run);
-  }
-
-  std::int64_t attribute(cudaDeviceAttr which) const {
-    int value = 0;
-    cuda::require(cudaDeviceGetAttribute(&value, which, where.device), "asking what it has");
-    return value;
-  }
-  bool fits() const { return may_be_resident && grid_bytes <= shared_limit; }
-  std::string execution() const {
-    if (looks_back)
-      return "tiled: FLIP needs the grid before forces too, which does not fit beside the grid in "
-             "shared memory";
-    if (!may_be_resident)
-      return "tiled: sums of double take 64 bits, which a device adds at once in its own memory only";
-    std::string const takes = "the grid of an environment takes " + std::to_string(grid_bytes) +
-                              " bytes of " + std::to_string(shared_limit) +
-                              " of shared memory per block";
-    if (is_resident) return "resident: " + takes;
-    if (!fits()) return "tiled: " + takes + ", so it lies in the memory of the device";
-    return "tiled, as asked for: " + takes;
-  }
-  void prepare_resident() const {
-    if constexpr (!may_be_resident) {
-      throw std::invalid_argument("mpmpbd Cuda: resident execution asked for; " + execution() +
-                                  ". Take tiled execution");
-    } else {
-      if (!fits())
-        throw std::runtime_error("mpmpbd Cuda: " + execution() +
-                                 "; use a grid of fewer nodes or larger cells, or tiled execution");
-      Resident::reserve(shared_limit);
-    }
-  }
-  void check_tiled(Base const& run) const {
-    if (run.lattice().count() > Tiled::most_nodes)
-      throw std::invalid_argument("mpmpbd Cuda: a grid of " +
-                                  std::to_string(run.lattice().count()) +
-                                  " nodes; a device holds " + std::to_string(Tiled::most_nodes) +
-                                  " of an environment at most; use fewer nodes or larger cells");
+    return Execution(where, run.environments(), run.lattice());
   }
   void take_memory(Base const& run) {
     auto const state = Layout::bytes(run.state());
     auto const masks = static_cast<std::size_t>(run.environments());
-    auto const nodes = run.lattice().count();
-    cuda::require_free(2 * state + masks +
-                       (is_resident ? Resident::bytes(run.environments(), nodes)
-                                    : Tiled::bytes(run.environments(), nodes)));
+    auto const all = cuda::planes_of_environment(run.state());
+    cuda::require_free(2 * state + masks + all.size() * sizeof(cuda::Plane) + execution.bytes());
     now = cuda::Memory(state);
     // It is copied as a whole, with what lies between two planes.
     cuda::require(cudaMemsetAsync(now.as(), 0, state, stream), "clearing the state");
     initial = cuda::Memory(state);
     mask = cuda::Memory(masks);
-    if (is_resident)
-      resident = Resident(run.environments(), nodes, stream);
-    else
-      tiled = Tiled(run.environments(), nodes, stream);
+    planes = cuda::Memory(all.size() * sizeof(cuda::Plane));
+    plane_count = static_cast<int>(all.size());
+    copy(planes.as(), all.data(), planes.bytes(), cudaMemcpyHostToDevice);
+    cuda::require(cudaStreamSynchronize(stream), "sending the planes");
+    execution.take_memory(stream);
   }
 
   // As much of it as these tables hold.
@@ -271,23 +172,20 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   };
 
   void step(Base const& run, double h, unsigned char const* of) const {
-    using Tables_ = cuda::TablesOf<typename Scene_::Stepped, T>;
-    cuda::Launch<typename Scene_::Stepped, T> const launch{tables<Tables_>(run.state(), now),
-                                                           run.lattice(),
-                                                           h,
-                                                           run.options().substep_choice(),
-                                                           of,
-                                                           work.as(),
-                                                           static_cast<std::int64_t>(work_stride),
-                                                           work.as<int>(slots_at),
-                                                           fast_bytes};
-    if constexpr (may_be_resident)
-      if (is_resident) return resident.run(launch, where.threads, processors, shared_limit, stream);
-    tiled.run(launch, where.threads, processors, stream);
+    using Tables_ = cuda::TablesOf<Stepped, T>;
+    execution.run(
+        {tables<Tables_>(run.state(), now), run.lattice(), h, run.options().substep_choice(), of,
+         work.as(), static_cast<std::int64_t>(work_stride), work.as<int>(slots_at), fast_bytes},
+        stream);
   }
   void reset(Base const& run, unsigned char const* of) const {
-    cuda::start(stream, "a reset", cuda::reset<Scene, T>, run.environments(), 256, 0,
-                tables(run.state(), now), tables(run.state(), initial), of);
+    constexpr int parts = 8;
+    auto const all = tables(run.state(), now);
+    auto* const episodes =
+        all.template of<Environments>().view.template plane<environment::Episode>(0);
+    cuda::start(stream, "a reset", cuda::reset<std::uint32_t>, run.environments() * parts, 256, 0,
+                now.as<std::uint32_t>(), initial.as<std::uint32_t>(), planes.as<cuda::Plane>(),
+                plane_count, episodes, of, parts);
   }
   unsigned char const* upload(std::span<unsigned char const> of) const {
     if (of.empty()) return nullptr;
@@ -384,7 +282,7 @@ template <class Scene_, class T> Place Simulation<Scene_, Cuda, T>::place() cons
   return {MemorySpace::cuda, device_->where.device, device_->where.stream};
 }
 template <class Scene_, class T> std::string Simulation<Scene_, Cuda, T>::execution() const {
-  return device_->execution();
+  return device_->execution.why();
 }
 
 }  // namespace mpmpbd

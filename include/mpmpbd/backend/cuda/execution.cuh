@@ -1,0 +1,127 @@
+// In which form a device carries out the steps of a scene, and why: resident.cuh or tiled.cuh where there is tissue,
+// alone.cuh where there is none.
+#pragma once
+
+#include <mpmpbd/backend/cuda.hpp>
+#include <mpmpbd/backend/cuda/alone.cuh>
+#include <mpmpbd/backend/cuda/resident.cuh>
+#include <mpmpbd/backend/cuda/tiled.cuh>
+
+namespace mpmpbd::cuda {
+
+template <class Scene, class T> class ExecutionOnGrid {
+  static_assert(
+      has_bounded_stiffness<typename Scene::Body>,
+      "mpmpbd Simulation<Scene, Cuda>: the stable step of linear splines hangs on who shares a "
+      "node, which is not looked at on a device yet; take QuadraticBSpline or CubicBSpline");
+  // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
+  static constexpr bool looks_back = Scene::Body::Transfer::needs_previous_grid;
+  static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
+  using Resident = ResidentSteps<Scene, most_threads>;
+  using Tiled = TiledSteps<Scene, T>;
+
+ public:
+  // Refuses what the present device cannot do, with nothing allocated.
+  ExecutionOnGrid(Cuda const& where, std::int64_t environments, Lattice<T> const& lattice)
+      : threads_(where.threads),
+        environments_(environments),
+        nodes_(lattice.count()),
+        grid_bytes_(Resident::shared_bytes(nodes_)),
+        shared_limit_(attribute(where, cudaDevAttrMaxSharedMemoryPerBlockOptin)),
+        processors_(attribute(where, cudaDevAttrMultiProcessorCount)),
+        is_resident_(where.execution == Cuda::Execution::automatic
+                         ? fits()
+                         : where.execution == Cuda::Execution::resident) {
+    if (is_resident_)
+      prepare_resident();
+    else
+      check_tiled();
+  }
+
+  std::size_t bytes() const {
+    return is_resident_ ? Resident::bytes(environments_, nodes_)
+                        : Tiled::bytes(environments_, nodes_);
+  }
+  void take_memory(cudaStream_t stream) {
+    if (is_resident_)
+      resident_ = Resident(environments_, nodes_, stream);
+    else
+      tiled_ = Tiled(environments_, nodes_, stream);
+  }
+  void run(Launch<Scene, T> const& launch, cudaStream_t stream) const {
+    if constexpr (may_be_resident)
+      if (is_resident_) return resident_.run(launch, threads_, processors_, shared_limit_, stream);
+    tiled_.run(launch, threads_, processors_, stream);
+  }
+  std::string why() const {
+    if (looks_back)
+      return "tiled: FLIP needs the grid before forces too, which does not fit beside the grid in "
+             "shared memory";
+    if (!may_be_resident)
+      return "tiled: sums of double take 64 bits, which a device adds at once in its own memory only";
+    std::string const takes = "the grid of an environment takes " + std::to_string(grid_bytes_) +
+                              " bytes of " + std::to_string(shared_limit_) +
+                              " of shared memory per block";
+    if (is_resident_) return "resident: " + takes;
+    if (!fits()) return "tiled: " + takes + ", so it lies in the memory of the device";
+    return "tiled, as asked for: " + takes;
+  }
+
+ private:
+  static std::int64_t attribute(Cuda const& where, cudaDeviceAttr which) {
+    int value = 0;
+    require(cudaDeviceGetAttribute(&value, which, where.device), "asking what it has");
+    return value;
+  }
+  bool fits() const { return may_be_resident && grid_bytes_ <= shared_limit_; }
+  void prepare_resident() const {
+    if constexpr (!may_be_resident) {
+      throw std::invalid_argument("mpmpbd Cuda: resident execution asked for; " + why() +
+                                  ". Take tiled execution");
+    } else {
+      if (!fits())
+        throw std::runtime_error("mpmpbd Cuda: " + why() +
+                                 "; use a grid of fewer nodes or larger cells, or tiled execution");
+      Resident::reserve(shared_limit_);
+    }
+  }
+  void check_tiled() const {
+    if (nodes_ > Tiled::most_nodes)
+      throw std::invalid_argument("mpmpbd Cuda: a grid of " + std::to_string(nodes_) +
+                                  " nodes; a device holds " + std::to_string(Tiled::most_nodes) +
+                                  " of an environment at most; use fewer nodes or larger cells");
+  }
+
+  int threads_;
+  std::int64_t environments_, nodes_, grid_bytes_, shared_limit_, processors_;
+  bool is_resident_;
+  Resident resident_;
+  Tiled tiled_;
+};
+
+template <class Scene, class T> class ExecutionAlone {
+ public:
+  ExecutionAlone(Cuda const& where, std::int64_t environments, Lattice<T> const&)
+      : threads_(where.threads), environments_(environments) {
+    if (where.execution != Cuda::Execution::automatic)
+      throw std::invalid_argument(
+          "mpmpbd Cuda: resident or tiled execution asked for; these say where the grid of tissue "
+          "lies, and this scene has threads alone. Take Cuda::Execution::automatic");
+  }
+  std::size_t bytes() const { return 0; }
+  void take_memory(cudaStream_t) {}
+  void run(Launch<Scene, T> const& launch, cudaStream_t stream) const {
+    run_alone(launch, environments_, threads_, stream);
+  }
+  std::string why() const { return "alone: threads without tissue need no grid"; }
+
+ private:
+  int threads_;
+  std::int64_t environments_;
+};
+
+template <class Scene, class T>
+using Execution =
+    std::conditional_t<Scene::has_body, ExecutionOnGrid<Scene, T>, ExecutionAlone<Scene, T>>;
+
+}  // namespace mpmpbd::cuda

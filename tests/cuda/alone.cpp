@@ -1,0 +1,107 @@
+// Threads without tissue on an emulated device: what the host does, to the last bit, with every solver.
+#include <limits>
+
+#include "catch.hpp"
+#include "cuda/compare.hpp"
+#include "cuda/threads.hpp"
+
+using namespace test;
+
+namespace {
+template <class Run> auto const& read(Run const& run) { return run.state(); }
+}  // namespace
+
+TEMPLATE_TEST_CASE("threads alone move on a device as they do on the host", "[cuda][alone]",
+                   catalog::Suture, Swept, Averaged, Framed) {
+  auto host = with_arcs<Simulation<TestType, Serial, float>>(3);
+  auto device = with_arcs<Simulation<TestType, Cuda, float>>(3);
+  auto narrow = with_arcs<Simulation<TestType, Cuda, float>>(3, Cuda{.threads = 128});
+  CHECK(device.execution() == "alone: threads without tissue need no grid");
+  for (int s = 0; s < 6; ++s) {
+    host.step(step);
+    emulated::seed = 1;
+    device.step(step);
+    emulated::seed = 9;
+    narrow.step(step);
+  }
+  double const fallen = 0.5 * 9.81 * square(6 * step);
+  for (std::int64_t env : {0, 1, 2}) {
+    CAPTURE(env);
+    CHECK(same_bits(read(host), env, read(device), env));
+    CHECK(same_bits(read(host), env, read(narrow), env));
+    auto const start = with_arcs<Simulation<TestType, Serial, float>>(3);
+    double const z = read(device).template get<bead::Position>(env, beads / 2)[2] -
+                     read(start).template get<bead::Position>(env, beads / 2)[2];
+    CHECK(z < -0.5 * fallen);
+    CHECK(z > -1.5 * fallen);
+  }
+}
+
+TEST_CASE("threads alone move on a device in double as they do on the host", "[cuda][alone]") {
+  auto host = with_arcs<Simulation<catalog::Suture, Serial, double>>(1);
+  auto device = with_arcs<Simulation<catalog::Suture, Cuda, double>>(1);
+  for (int s = 0; s < 6; ++s) host.step(step), device.step(step);
+  CHECK(same_bits(read(host), 0, read(device), 0));
+}
+
+TEST_CASE("a thread is the same alone and in company", "[cuda][alone]") {
+  using Run = Simulation<catalog::Suture, Cuda, float>;
+  auto many = with_arcs<Run>(5);
+  Run one(thread_options<catalog::Suture>(1));
+  add_arc(one, 0);
+  one.restore([&] {
+    auto store = read(one);
+    store.copy_environment(0, read(many), 3);
+    return store;
+  }());
+  for (int s = 0; s < 4; ++s) many.step(step), one.step(step);
+  CHECK(same_bits(read(many), 3, read(one), 0));
+}
+
+TEST_CASE("a lost thread is frozen, and its neighbours do not notice", "[cuda][alone][status]") {
+  using Run = Simulation<catalog::Suture, Cuda, float>;
+  auto well = with_arcs<Run>(3), ill = with_arcs<Run>(3);
+  float const nothing = std::numeric_limits<float>::quiet_NaN();
+  ill.state().set<bead::Velocity>(1, 7, {{0.0f, nothing, 0.0f}});
+  for (int s = 0; s < 3; ++s) well.step(step), ill.step(step);
+  CHECK(has(ill.status(1), Fault::not_finite));
+  CHECK(read(ill).get<environment::Step>(1) == 0);
+  for (std::int64_t env : {0, 2}) CHECK(same_bits(read(well), env, read(ill), env));
+
+  // What is lost during the step ends it there.
+  ill.reset();
+  auto host = with_arcs<Simulation<catalog::Suture, Serial, float>>(3);
+  parameters_t<Gravity, float> const endless{{0.0f, 0.0f, std::numeric_limits<float>::infinity()}};
+  ill.state().set_parameters<Gravity>(1, endless);
+  host.state().set_parameters<Gravity>(1, endless);
+  ill.step(step), host.step(step);
+  CHECK(has(ill.status(1), Fault::not_finite));
+  CHECK(ill.status(1) == host.status(1));
+  CHECK(read(ill).get<environment::Step>(1) == 1);
+  CHECK(read(host).get<environment::Step>(1) == 1);
+}
+
+TEST_CASE("masks choose which threads move and which return", "[cuda][alone][reset]") {
+  using Run = Simulation<catalog::Suture, Cuda, float>;
+  auto run = with_arcs<Run>(3);
+  auto const start = with_arcs<Run>(3);
+  std::vector<unsigned char> const middle{0, 1, 0};
+  run.step(step, middle);
+  CHECK(same_bits(read(start), 0, read(run), 0));
+  CHECK_FALSE(same_bits(read(start), 1, read(run), 1));
+  run.step(step);
+  run.reset(middle);
+  CHECK(read(run).get<bead::Position>(1, beads - 1) ==
+        read(start).get<bead::Position>(1, beads - 1));
+  CHECK(read(run).get<environment::Step>(1) == 0);
+  CHECK(read(run).get<environment::Episode>(1) == read(start).get<environment::Episode>(1) + 1);
+  CHECK(read(run).get<environment::Episode>(0) == read(start).get<environment::Episode>(0));
+  CHECK(read(run).get<environment::Step>(0) == 2);
+}
+
+TEST_CASE("a scene without a grid is not asked where its grid lies", "[cuda][alone]") {
+  using Run = Simulation<catalog::Suture, Cuda, float>;
+  CHECK_THROWS_WITH(
+      Run(thread_options<catalog::Suture>(1), Cuda{.execution = Cuda::Execution::tiled}),
+      Catch::Contains("threads alone. Take Cuda::Execution::automatic"));
+}

@@ -1,0 +1,142 @@
+// Threads without tissue on a GPU, driven by plain C++: they fall as on the host, hang as a catenary, and have the same bits
+// in company and for any number of threads of a block.
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include <mpmpbd/backend/cuda.hpp>
+#include <mpmpbd/catalog.hpp>
+#include <mpmpbd/pbd/rod_builder.hpp>
+
+#include "cuda/compare.hpp"
+
+namespace {
+
+using namespace mpmpbd;
+using Scene_ = catalog::Suture;
+using OnHost = Simulation<Scene_, Serial, float>;
+using OnDevice = Simulation<Scene_, Cuda, float>;
+
+int passed = 0, failed = 0;
+void check(bool ok, char const* what, double value = 0) {
+  std::printf("%s: %s (%.3g)\n", ok ? "pass" : "FAIL", what, value);
+  (ok ? passed : failed) += 1;
+}
+
+constexpr RodMaterial nylon{2e9, 1.15e-4, 1140.0};
+constexpr double step = 2e-3, gravity = 9.81;
+constexpr int substeps = 2;
+
+SimulationOptions options(std::int64_t environments, int beads) {
+  SimulationOptions o;
+  o.environments = environments;
+  o.capacity = {{"bead", beads}, {"Distance", beads}, {"Bend", beads}};
+  o.substeps = substeps;
+  return o;
+}
+auto const& read(OnDevice const& run) { return run.state(); }
+auto const& read(OnHost const& run) { return run.state(); }
+
+// An arc that falls, held at one end.
+constexpr int beads = 150;
+constexpr double length = 0.3;
+template <class Run> Run falling(std::int64_t environments, auto... where) {
+  Run run(options(environments, beads), where...);
+  for (std::int64_t env = 0; env < environments; ++env) {
+    std::vector<Vec3<double>> line;
+    double const turn = 1.0 + 0.1 * double(env);
+    for (int k = 0; k < beads; ++k) {
+      double const angle = turn * k / (beads - 1);
+      line.push_back(length / turn * vec(std::sin(angle), 0.02 * angle, 1 - std::cos(angle)));
+    }
+    RodAssembly<Scene_::Rods> rod;
+    add_thread(rod, std::span<Vec3<double> const>(line), nylon);
+    rod.prescribe(0);
+    rod.write(run.state(), env);
+    run.template set<Gravity>(env, {{0.0, 0.0, -gravity}});
+  }
+  run.remember();
+  return run;
+}
+template <class Run> void step_on(Run& run, int steps) {
+  for (int s = 0; s < steps; ++s) run.step(step);
+}
+
+// Positions are rounded, and what they are off by turns into velocity: a few of these roundings a substep.
+void compare_with_host() {
+  constexpr int steps = 10, roundings = 8;
+  auto host = falling<OnHost>(2);
+  auto device = falling<OnDevice>(2);
+  step_on(host, steps), step_on(device, steps);
+  double const v = steps * substeps * roundings * 0x1p-24 * length / (step / substeps);
+  double const x = v * steps * step, fallen = 0.5 * gravity * square(steps * step);
+  auto const apart = test::difference<bead::Position>(read(device), read(host));
+  check(apart < x && x < 0.1 * fallen, "a falling thread is where it is on the host [m]", apart);
+  for (std::int64_t env : {0, 1})
+    check(device.status(env) == host.status(env), "the status is the host's", device.status(env));
+}
+
+void compare_companies() {
+  constexpr int steps = 25;
+  auto many = falling<OnDevice>(300), again = falling<OnDevice>(300),
+       narrow = falling<OnDevice>(300, Cuda{.threads = 128});
+  OnDevice one = falling<OnDevice>(1);
+  auto alone = read(one);
+  alone.copy_environment(0, read(many), 217);
+  one.restore(alone);
+  step_on(many, steps), step_on(again, steps), step_on(narrow, steps), step_on(one, steps);
+  bool same = true, same_narrow = true;
+  for (std::int64_t env = 0; env < 300; ++env) {
+    same = same && test::same_bits(read(many), env, read(again), env);
+    same_narrow = same_narrow && test::same_bits(read(many), env, read(narrow), env);
+  }
+  check(same, "the same bits again");
+  check(same_narrow, "the same bits with another number of threads");
+  check(test::same_bits(read(many), 217, read(one), 0), "the same bits alone");
+
+  again.reset();
+  again.state().set<bead::Position>(5, 7, {{std::numeric_limits<float>::quiet_NaN(), 0, 0}});
+  step_on(again, steps);
+  bool unmoved = true;
+  for (std::int64_t env = 0; env < 300; ++env)
+    unmoved = unmoved && (env == 5 || read(again).get<bead::Position>(env, beads - 1) ==
+                                          read(many).get<bead::Position>(env, beads - 1));
+  check(has(again.status(5), Fault::not_finite), "a lost thread is frozen");
+  check(unmoved, "its neighbours have come back and moved as before");
+}
+
+// Between two nails at equal height; it bends so little that it is a catenary, y = a cosh(x/a).
+void compare_with_catenary() {
+  constexpr int n = 41, steps = 2500;
+  constexpr double l = 1.0, span = 0.6, settling = 3.0;
+  OnDevice run(options(1, n));
+  double const drop = std::sqrt(square(l / 2) - square(span / 2));
+  std::vector<Vec3<double>> const corner{vec(0.0, 0.0, 0.0), vec(span / 2, 0.0, -drop),
+                                         vec(span, 0.0, 0.0)};
+  RodAssembly<Scene_::Rods> rod;
+  add_thread(rod, std::span<Vec3<double> const>(corner), n, RodMaterial{1e7, 1.15e-4, 1140.0});
+  rod.prescribe(0), rod.prescribe(n - 1);
+  rod.write(run.state(), 0);
+  run.set<Gravity>({{0.0, 0.0, -gravity}});
+  run.set<Damping>({settling});
+  step_on(run, steps);
+
+  double low = span / 100, high = 1e3 * l;
+  for (int i = 0; i < 100; ++i) {
+    double const a = 0.5 * (low + high);
+    (2 * a * std::sinh(span / (2 * a)) > l ? low : high) = a;
+  }
+  double const sag = low * (std::cosh(span / (2 * low)) - 1);
+  double const off = -read(run).get<bead::Position>(0, n / 2)[2] / sag - 1;
+  check(std::fabs(off) < 3e-3, "a thread between two nails sags as a catenary, but for", off);
+}
+
+}  // namespace
+
+int main() {
+  compare_with_host();
+  compare_companies();
+  compare_with_catenary();
+  std::printf("%d passed, %d failed\n", passed, failed);
+  return failed == 0 ? 0 : 1;
+}
