@@ -10,6 +10,7 @@
 // streams       ten environments, dealt out to 1, 2, 4 and 10 runs with a stream each
 // devices       so many environments (1,056) on each device that there is: on one, then on all at once
 // decisions     the step loop of the suturing task, moved at random: a step is a decision, 20 steps of 4 substeps
+// threads       threads of 100 beads without tissue, hung up at one end: steps of 0.002 s, 2 substeps; `particles` are beads
 #include <cuda_runtime_api.h>
 
 #include <algorithm>
@@ -28,6 +29,7 @@
 #include <mpmpbd/catalog.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>
 #include <mpmpbd/catalog/suturing_task.hpp>
+#include <mpmpbd/pbd/rod_builder.hpp>
 #include <mpmpbd/rl/cuda/vector_env.hpp>
 
 namespace {
@@ -113,15 +115,23 @@ struct Place {
   std::int64_t environments;
 };
 
-void print(char const* table, char const* form, std::size_t runs, int devices,
-           std::int64_t environments, SuturingConfig const& c, Contents contents, int steps,
-           Milliseconds const& m, unsigned status) {
-  double const particle_substeps = static_cast<double>(environments) * c.tissue.point_count() *
-                                   static_cast<double>(c.time.substeps) * steps;
-  std::printf("%s,%s,%zu,%d,%lld,%d,%d,%.0f,%s,%.4f,%.4f,%.4f,%u\n", table, form, runs, devices,
-              static_cast<long long>(environments), static_cast<int>(c.tissue.point_count()),
-              static_cast<int>(c.time.substeps), c.tissue.density,
-              names[static_cast<int>(contents)], m.mean, m.deviation,
+// What a run moves in a step.
+struct Load {
+  std::int64_t environments, particles, substeps;  // of one environment
+  double density;
+  char const* contents;
+};
+Load load(SuturingConfig const& c, Contents contents, std::int64_t environments) {
+  return {environments, c.tissue.point_count(), c.time.substeps, c.tissue.density,
+          names[static_cast<int>(contents)]};
+}
+void print(char const* table, char const* form, std::size_t runs, int devices, Load const& of,
+           int steps, Milliseconds const& m, unsigned status) {
+  auto const particle_substeps =
+      static_cast<double>(of.environments * of.particles * of.substeps * steps);
+  std::printf("%s,%s,%zu,%d,%lld,%lld,%lld,%.0f,%s,%.4f,%.4f,%.4f,%u\n", table, form, runs, devices,
+              static_cast<long long>(of.environments), static_cast<long long>(of.particles),
+              static_cast<long long>(of.substeps), of.density, of.contents, m.mean, m.deviation,
               1e6 * m.mean / particle_substeps, status);
   std::fflush(stdout);
 }
@@ -151,7 +161,7 @@ void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
   unsigned status = 0;
   for (auto const& run : runs) status |= run.status(0);
   print(c.table, runs[0].execution().starts_with("resident") ? "resident" : "tiled", runs.size(),
-        devices, environments, c.config, c.contents, 1, m, status);
+        devices, load(c.config, c.contents, environments), 1, m, status);
 }
 
 constexpr int steps_to_tissue = 400;
@@ -228,8 +238,35 @@ void decisions(std::vector<std::int64_t> counts, Cuda where) {
     wait();
     auto const m = time_of(
         2, [&] { envs.step_from(envs.actions()); }, wait);
-    print("decisions", "automatic", 1, 1, n, c.scene, Contents::contact,
+    print("decisions", "automatic", 1, 1, load(c.scene, Contents::contact, n),
           static_cast<int>(c.episode.decision_interval), m, 0);
+  }
+}
+
+void threads(std::vector<std::int64_t> counts, Cuda where) {
+  using Scene = catalog::Suture;
+  constexpr int beads = 100, substeps = 2;
+  constexpr double length = 0.3, h = 2e-3;
+  constexpr RodMaterial nylon{2e9, 1.15e-4, 1140.0};
+  if (counts.empty()) counts = {1, 132, 1056, 4224};
+  std::vector<Vec3<double>> const line{vec(0.0, 0.0, 0.0), vec(length, 0.0, 0.0)};
+  for (auto n : counts) {
+    SimulationOptions o;
+    o.environments = n;
+    o.capacity = {{"bead", beads}, {"Distance", beads}, {"Bend", beads}};
+    o.substeps = substeps;
+    Simulation<Scene, Cuda, float> run(o, where);
+    RodAssembly<Scene::Rods> rod;
+    add_thread(rod, std::span<Vec3<double> const>(line), beads, nylon);
+    rod.prescribe(0);
+    for (std::int64_t env = 0; env < n; ++env) rod.write(run.state(), env);
+    run.set<Gravity>({{0.0, 0.0, -9.81}});
+    run.step(h);
+    run.wait();
+    auto const m = time_of(
+        20, [&] { run.step_where(h, nullptr); }, [&] { run.wait(); });
+    print("threads", "alone", 1, 1, {n, beads, substeps, nylon.density, "thread"}, 1, m,
+          run.status(0));
   }
 }
 
@@ -262,10 +299,12 @@ int main(int argc, char** argv) {
       {"bodies", [&] { bodies(where); }},
       {"streams", [&] { streams(where); }},
       {"devices", [&] { devices(counts, where); }},
-      {"decisions", [&] { decisions(counts, where); }}};
+      {"decisions", [&] { decisions(counts, where); }},
+      {"threads", [&] { threads(counts, where); }}};
   for (auto const& table : tables)
     if (!known.contains(table)) {
-      std::fprintf(stderr, "'%s' is no table: environments, bodies, streams, devices, decisions\n",
+      std::fprintf(stderr,
+                   "'%s' is no table: environments, bodies, streams, devices, decisions, threads\n",
                    table.c_str());
       return 1;
     }
