@@ -16,6 +16,15 @@
 #else
 #define MPMPBD_INLINE inline
 #endif
+
+// Before a short loop of constant length, whose array is to lie in registers.
+#if defined(__CUDACC__) || defined(__clang__)
+#define MPMPBD_UNROLL _Pragma("unroll")
+#elif defined(__GNUC__)
+#define MPMPBD_UNROLL _Pragma("GCC unroll 16")
+#else
+#define MPMPBD_UNROLL
+#endif
 // The same as a plain attribute, for lambdas (after the parameter list) and host functions.
 #if defined(__GNUC__)
 #define MPMPBD_ALWAYS_INLINE __attribute__((always_inline))

@@ -1,5 +1,4 @@
-// Execution without a grid, for scenes of threads alone: a step is one launch, and a block moves an environment with as many
-// threads as it has beads.
+// Execution without a grid, for scenes of threads alone: a step is one launch, and a block moves an environment.
 //
 // The stages are the scene's own, and carried out by a team as a coupling is; so bits do not depend on how many threads
 // there are.
@@ -94,13 +93,14 @@ __global__ void __launch_bounds__(most_threads)
   EnvironmentAlone<Scene, T>(launch, env, record).step();
 }
 
-// The host's side: the launch. It keeps nothing.
+// The host's side: the launch. It keeps nothing. A direct solver leaves most to one thread: where multiprocessors are shared, a
+// warp for each environment lets most of them go on side by side; else there are as many threads as beads.
 template <class Scene, class T>
 void run_alone(Launch<Scene, T> const& launch, std::int64_t environments, int threads,
-               cudaStream_t stream) {
+               std::int64_t processors, cudaStream_t stream) {
   auto const beads = launch.tables.template of<Beads>().view.capacity;
-  auto const warps =
-      std::clamp<std::int64_t>((beads + Warp::size - 1) / Warp::size, 1, threads / Warp::size);
+  auto const wanted = environments > processors ? 1 : (beads + Warp::size - 1) / Warp::size;
+  auto const warps = std::clamp<std::int64_t>(wanted, 1, threads / Warp::size);
   start(stream, "a step", step_alone<Scene, T>, environments, static_cast<int>(warps) * Warp::size,
         sizeof(AloneRecord<T>), launch);
 }

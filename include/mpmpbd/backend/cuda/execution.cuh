@@ -9,6 +9,12 @@
 
 namespace mpmpbd::cuda {
 
+inline std::int64_t attribute(Cuda const& where, cudaDeviceAttr which) {
+  int value = 0;
+  require(cudaDeviceGetAttribute(&value, which, where.device), "asking what it has");
+  return value;
+}
+
 template <class Scene, class T> class ExecutionOnGrid {
   static_assert(
       has_bounded_stiffness<typename Scene::Body>,
@@ -68,11 +74,6 @@ template <class Scene, class T> class ExecutionOnGrid {
   }
 
  private:
-  static std::int64_t attribute(Cuda const& where, cudaDeviceAttr which) {
-    int value = 0;
-    require(cudaDeviceGetAttribute(&value, which, where.device), "asking what it has");
-    return value;
-  }
   bool fits() const { return may_be_resident && grid_bytes_ <= shared_limit_; }
   void prepare_resident() const {
     if constexpr (!may_be_resident) {
@@ -102,7 +103,9 @@ template <class Scene, class T> class ExecutionOnGrid {
 template <class Scene, class T> class ExecutionAlone {
  public:
   ExecutionAlone(Cuda const& where, std::int64_t environments, Lattice<T> const&)
-      : threads_(where.threads), environments_(environments) {
+      : threads_(where.threads),
+        environments_(environments),
+        processors_(attribute(where, cudaDevAttrMultiProcessorCount)) {
     if (where.execution != Cuda::Execution::automatic)
       throw std::invalid_argument(
           "mpmpbd Cuda: resident or tiled execution asked for; these say where the grid of tissue "
@@ -111,13 +114,13 @@ template <class Scene, class T> class ExecutionAlone {
   std::size_t bytes() const { return 0; }
   void take_memory(cudaStream_t) {}
   void run(Launch<Scene, T> const& launch, cudaStream_t stream) const {
-    run_alone(launch, environments_, threads_, stream);
+    run_alone(launch, environments_, threads_, processors_, stream);
   }
   std::string why() const { return "alone: threads without tissue need no grid"; }
 
  private:
   int threads_;
-  std::int64_t environments_;
+  std::int64_t environments_, processors_;
 };
 
 template <class Scene, class T>
