@@ -22,7 +22,7 @@ template <class T> struct AloneRecord {
 
 // The environment of a block. All of its threads call.
 template <class Scene, class T> class EnvironmentAlone {
-  using Fields = decltype(std::declval<Launch<Scene, T> const&>().fields(0));
+  using Env = decltype(std::declval<Launch<Scene, T> const&>().fields(0));
   using Record = AloneRecord<T>;
 
  public:
@@ -78,7 +78,7 @@ template <class Scene, class T> class EnvironmentAlone {
   }
 
   Launch<Scene, T> const& launch_;
-  Fields fields_;
+  Env fields_;
   Record& record_;
   BlockTeam team_{};
 };
