@@ -12,7 +12,7 @@ using namespace test;
 using Rough =
     mpmpbd::EmbeddedForm<mpmpbd::QuadraticBSpline, mpmpbd::Friction, mpmpbd::NoDrag, false>;
 
-// A lane that counts how often it waits for its team: so much a trial, in any exchange.
+// A lane that counts how often it waits for its team: eight times a trial, and a few times for what is asked without one.
 struct Counting : mpmpbd::Solo {
   int* waits;
   void sync() const { ++*waits; }
@@ -46,5 +46,4 @@ TEST_CASE("an exchange seldom makes many trials", "[coupling][friction]") {
   CHECK(more_trials(0.5) <= 4);
   CHECK(more_trials(0.9) <= 6.7);
   CHECK(more_trials(0.999) <= 12);
-  CHECK(more_trials(1.0) <= 2 * mpmpbd::detail::most_trials);
 }

@@ -63,11 +63,10 @@ template <class Run> Run with_arcs(std::int64_t environments, auto... where) {
   return run;
 }
 
-// How far apart threads may be after some steps where arithmetic differs: positions are rounded, and what they are off by turns
-// into velocity, a few of these roundings a substep [m].
+// How far apart threads may be after some steps where arithmetic differs: positions are rounded once a substep, and what they
+// are off by turns into velocity [m].
 inline double arc_rounding(int steps) {
-  constexpr int roundings = 8;
-  double const v = steps * substeps * roundings * 0x1p-24 * length / (step / substeps);
+  double const v = steps * substeps * 0x1p-24 * length / (step / substeps);
   return v * steps * step;
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include <mpmpbd/backend/cuda.hpp>
 #include <mpmpbd/catalog.hpp>
@@ -62,37 +64,35 @@ template <class Run> void step_on(Run& run, int steps) {
   for (int s = 0; s < steps; ++s) run.step(step);
 }
 
-// Positions are rounded, and what they are off by turns into velocity: a few of these roundings a substep.
+// Positions are rounded once a substep, and what they are off by turns into velocity.
 void compare_with_host() {
-  constexpr int steps = 10, roundings = 8;
+  constexpr int steps = 10;
   auto host = falling<OnHost>(2);
   auto device = falling<OnDevice>(2);
   step_on(host, steps), step_on(device, steps);
-  double const v = steps * substeps * roundings * 0x1p-24 * length / (step / substeps);
-  double const x = v * steps * step, fallen = 0.5 * gravity * square(steps * step);
+  double const v = steps * substeps * 0x1p-24 * length / (step / substeps);
+  double const x = v * steps * step;
   auto const apart = test::difference<bead::Position>(read(device), read(host));
-  check(apart < x && x < 0.1 * fallen, "a falling thread is where it is on the host [m]", apart);
+  check(apart < x, "a falling thread is where it is on the host [m]", apart);
   for (std::int64_t env : {0, 1})
     check(device.status(env) == host.status(env), "the status is the host's", device.status(env));
 }
 
+// 300 environments have a warp each; one alone has a thread for every bead, or 128.
 void compare_companies() {
   constexpr int steps = 25;
-  auto many = falling<OnDevice>(300), again = falling<OnDevice>(300),
-       narrow = falling<OnDevice>(300, Cuda{.threads = 128});
-  OnDevice one = falling<OnDevice>(1);
+  auto many = falling<OnDevice>(300), again = falling<OnDevice>(300);
+  OnDevice one = falling<OnDevice>(1), narrow = falling<OnDevice>(1, Cuda{.threads = 128});
   auto alone = read(one);
   alone.copy_environment(0, read(many), 217);
-  one.restore(alone);
+  one.restore(alone), narrow.restore(alone);
   step_on(many, steps), step_on(again, steps), step_on(narrow, steps), step_on(one, steps);
-  bool same = true, same_narrow = true;
-  for (std::int64_t env = 0; env < 300; ++env) {
+  bool same = true;
+  for (std::int64_t env = 0; env < 300; ++env)
     same = same && test::same_bits(read(many), env, read(again), env);
-    same_narrow = same_narrow && test::same_bits(read(many), env, read(narrow), env);
-  }
   check(same, "the same bits again");
-  check(same_narrow, "the same bits with another number of threads");
   check(test::same_bits(read(many), 217, read(one), 0), "the same bits alone");
+  check(test::same_bits(read(many), 217, read(narrow), 0), "and with fewer threads");
 
   again.reset();
   again.state().set<bead::Position>(5, 7, {{std::numeric_limits<float>::quiet_NaN(), 0, 0}});
@@ -128,7 +128,7 @@ void compare_with_catenary() {
   }
   double const sag = low * (std::cosh(span / (2 * low)) - 1);
   double const off = -read(run).get<bead::Position>(0, n / 2)[2] / sag - 1;
-  check(std::fabs(off) < 3e-3, "a thread between two nails sags as a catenary, but for", off);
+  check(std::fabs(off) < 1.5e-3, "a thread between two nails sags as a catenary, but for", off);
 }
 
 }  // namespace

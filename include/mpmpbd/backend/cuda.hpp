@@ -22,7 +22,8 @@ struct Cuda {
 
   int device = 0;
   void* stream = nullptr;  // a cudaStream_t of that device; null: its default stream
-  // Of a block: 128 to 512, a multiple of 32; tiled takes 256 at most. Bits depend neither on this nor on the form.
+  // Of a block, at most: 128 to 512, a multiple of 32. Tiled takes 256, threads alone take as many as they have beads, or 32
+  // where environments share multiprocessors. Bits depend neither on this nor on the form.
   int threads = 512;
   Execution execution = Execution::automatic;
 };

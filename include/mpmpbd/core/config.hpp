@@ -16,18 +16,18 @@
 #else
 #define MPMPBD_INLINE inline
 #endif
-
-// Before a short loop of constant length, whose array is to lie in registers.
-#if defined(__CUDACC__) || defined(__clang__)
-#define MPMPBD_UNROLL _Pragma("unroll")
-#elif defined(__GNUC__)
-#define MPMPBD_UNROLL _Pragma("GCC unroll 16")
-#else
-#define MPMPBD_UNROLL
-#endif
 // The same as a plain attribute, for lambdas (after the parameter list) and host functions.
 #if defined(__GNUC__)
 #define MPMPBD_ALWAYS_INLINE __attribute__((always_inline))
 #else
 #define MPMPBD_ALWAYS_INLINE
+#endif
+
+// Before a short loop of constant length, so that its arrays lie in registers.
+#if defined(__CUDA_ARCH__) || (defined(__clang__) && !defined(__CUDACC__))
+#define MPMPBD_UNROLL _Pragma("unroll")
+#elif defined(__GNUC__) && !defined(__CUDACC__)
+#define MPMPBD_UNROLL _Pragma("GCC unroll 16")
+#else
+#define MPMPBD_UNROLL
 #endif

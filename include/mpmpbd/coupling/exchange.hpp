@@ -14,7 +14,7 @@ namespace mpmpbd {
 namespace detail {
 
 // How often at most one-sided points let go and take hold again, one pass each, and after that only let go;
-// how many of these trials may leave as many of them wrong as before, or one.
+// how many of these trials may leave as many of them wrong as before, or the same one.
 inline constexpr int most_trials = 16, most_releases = 8, patience = 3;
 
 // How a trial is judged: what lets go, slides or is at its cap; what was wrong in that (regrip: in the first sweep); which
@@ -360,19 +360,25 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
-  // Judges every hold after a trial; returns how many should change.
-  MPMPBD_HD int judge(Revision how) const {
-    team.one([&] { x.scratch->changed = 0; });
+  // Holds that should change: how many, and the sum of their places; of a single one, its place.
+  struct Wrong {
+    int count, places;
+  };
+  // Judges every hold after a trial.
+  MPMPBD_HD Wrong judge(Revision how) const {
+    team.one([&] { x.scratch->changed = x.scratch->places = 0; });
     team.sync();
     team.each(x.count(), [&](int q) {
       PointWork<T>& w = x.work[q];
       w.next = x.on[q] ? judged(q, how) : w.hold;
-      if (w.next != w.hold) team.add(x.scratch->changed, 1);
+      if (w.next == w.hold) return;
+      team.add(x.scratch->changed, 1);
+      team.add(x.scratch->places, q);
     });
     team.sync();
-    int const changed = x.scratch->changed;
+    Wrong const wrong{x.scratch->changed, x.scratch->places};
     team.sync();
-    return changed;
+    return wrong;
   }
   // Changes the holds as judged: all of them, or the last that is wrong.
   MPMPBD_HD void adopt(bool all) const {
@@ -415,7 +421,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     return is_one_sided(x.points[q]) && next == w.hold ? yields(q) : next;
   }
   // What takes hold again slides freely until the next sweep. If it stuck, it could pull although it would push
-  // when it slides, and trials would go on for ever. The first sweep, whose loads alone matter, does not try that at all.
+  // when it slides, and trials would go on for ever. The first sweep, of which lateral loads alone matter, lets it slide at once.
   MPMPBD_HD Hold settles(int q) const {
     PointWork<T>& w = x.work[q];
     if (w.hold != Hold::open && w.hold != Hold::full) return yields(q);
@@ -435,12 +441,12 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   // its points, a stiff thread pulls at every second one, and it would end with none.
   MPMPBD_HD void find_holds(bool first) const {
     Revision how = Revision::yield;
-    int trials = 0, fewest = x.count() + 1, left = patience, of_one = 0;
+    int trials = 0, fewest = x.count() + 1, left = patience, last = -1, repeated = 0;
     for (bool fresh = true;;) {  // holds that no trial has seen
       if (fresh) pass();
       if (trials == most_trials + most_releases) return;
-      int const wrong = judge(how);
-      fresh = wrong > 0;
+      Wrong const wrong = judge(how);
+      fresh = wrong.count > 0;
       bool all = true;
       switch (how) {
         case Revision::yield:
@@ -454,11 +460,12 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
           break;
         default:
           if (!fresh) return;
-          left = wrong < fewest ? patience : left - 1;
-          fewest = min(fewest, wrong);
+          left = wrong.count < fewest ? patience : left - 1;
+          fewest = min(fewest, wrong.count);
           all = how == Revision::release || left >= 0;
-          of_one = wrong == 1 ? of_one + 1 : 0;
-          if (++trials == most_trials || of_one > patience) how = Revision::release;
+          repeated = wrong.count == 1 && wrong.places == last ? repeated + 1 : 0;
+          last = wrong.count == 1 ? wrong.places : -1;
+          if (++trials == most_trials || repeated == patience) how = Revision::release;
       }
       if (fresh) adopt(all);
     }

@@ -50,9 +50,9 @@ template <class T> struct ExchangeScratch {
   Vec<T, 6> momentum;            // the needle's right-hand side without contact [N s, N m s]
   Vec<T, 6> bodies[most_sides];  // alone(), body()
   T share;                       // of the impulses on offer that is taken
-  int changed;                   // holds that the last trial found wrong
-  int revised;                   // whether any was in the whole exchange
-  int resumed;                   // points that began it at a limit: sliding, or at a cap
+  int changed, places;  // holds that the last trial found wrong, and the sum of their places
+  int revised;          // whether any was in the whole exchange
+  int resumed;          // points that began it at a limit: sliding, or at a cap
   int failed;
 
   // Velocity and spin of the needle [m/s, rad/s]: with thread and needle solved without tissue, and in the present trial.

@@ -137,7 +137,7 @@ MPMPBD_HD EmbeddedMean<T> embedded_mean(Lattice<T> const& lattice, Vec3<T> const
   for (int c = 0; c < 3; ++c) sum -= s.slope[c] * moment[c];
   return {T(1) / (s.rest * s.mass) * sum, s.mass};
 }
-// The same sum alone.
+// Sum w m of the plain weights around a point; 0 where it is unusable.
 template <class Shape, class T, class Nodes>
 MPMPBD_HD T mass_around(Lattice<T> const& lattice, Vec3<T> const& x, Nodes const& nodes) {
   auto const near = detail::neighbourhood<Shape>(lattice, x);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 
 #include <mpmpbd/backend/cuda/launch.cuh>
 #include <mpmpbd/backend/cuda/memory.cuh>

@@ -2,6 +2,9 @@
 // alone.cuh where there is none.
 #pragma once
 
+#include <stdexcept>
+#include <string>
+
 #include <mpmpbd/backend/cuda.hpp>
 #include <mpmpbd/backend/cuda/alone.cuh>
 #include <mpmpbd/backend/cuda/resident.cuh>
@@ -101,6 +104,11 @@ template <class Scene, class T> class ExecutionOnGrid {
 };
 
 template <class Scene, class T> class ExecutionAlone {
+  static_assert(
+      Scene::has_rods,
+      "mpmpbd Simulation<Scene, Cuda>: a scene with neither tissue nor threads; add Mpm<NeoHookean> or "
+      "Pbd<Constraints<Distance>>");
+
  public:
   ExecutionAlone(Cuda const& where, std::int64_t environments, Lattice<T> const&)
       : threads_(where.threads),

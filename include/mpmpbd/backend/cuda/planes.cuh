@@ -2,7 +2,7 @@
 // a remembered state is one kernel for all.
 #pragma once
 
-#include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include <mpmpbd/backend/cuda/memory.cuh>

@@ -21,8 +21,8 @@ template <class Scene, class T> struct StateOnDevice {
 template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   using Layout = cuda::Layout<Store>;
   using Tables = cuda::TablesOf<Scene, T>;
-  // Scenes that only store more have their steps in common, kernels and all.
-  using Stepped = typename Scene_::Stepped;
+  // Scenes that only store more have their steps in common, kernels and all. Spelled out: what nvcc generates for a kernel
+  // names its scene as it is written here, and may not name a member of this class.
   using Execution = cuda::Execution<typename Scene_::Stepped, T>;
 
   Cuda where;
@@ -172,7 +172,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   };
 
   void step(Base const& run, double h, unsigned char const* of) const {
-    using Tables_ = cuda::TablesOf<Stepped, T>;
+    using Tables_ = cuda::TablesOf<typename Scene_::Stepped, T>;
     execution.run(
         {tables<Tables_>(run.state(), now), run.lattice(), h, run.options().substep_choice(), of,
          work.as(), static_cast<std::int64_t>(work_stride), work.as<int>(slots_at), fast_bytes},
@@ -221,6 +221,7 @@ template <class Scene_, class T> void Simulation<Scene_, Cuda, T>::send() {
   host_is_newer_ = false;
 }
 template <class Scene_, class T> void Simulation<Scene_, Cuda, T>::wait() const {
+  cuda::OnDevice const here(device_->where.device);  // a null stream is another one on each device
   cuda::require(cudaStreamSynchronize(device_->stream), "waiting for the device");
 }
 
