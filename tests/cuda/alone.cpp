@@ -1,5 +1,7 @@
 // Threads without tissue on an emulated device: what the host does, to the last bit, with every solver.
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "catch.hpp"
 #include "cuda/compare.hpp"
@@ -121,4 +123,20 @@ TEST_CASE("a scene without a grid is not asked where its grid lies", "[cuda][alo
   CHECK_THROWS_WITH(
       Run(thread_options<catalog::Suture>(1), Cuda{.execution = Cuda::Execution::tiled}),
       Catch::Contains("threads alone. Take Cuda::Execution::automatic"));
+}
+
+// A null stream is another one on each device.
+TEST_CASE("a run is waited for on its own device", "[cuda]") {
+  using Run = Simulation<catalog::Suture, Cuda, float>;
+  emulated::devices = 2;
+  auto run = with_arcs<Run>(1, Cuda{.device = 1});
+  run.step(step);
+  for (auto const& wait : {std::function<void()>([&] { run.wait(); }),
+                           std::function<void()>([&] { std::as_const(run).state(); })}) {
+    emulated::waited_for = 0;
+    wait();
+    CHECK(emulated::waited_for == 1);
+    CHECK(emulated::present_device == 0);
+  }
+  emulated::devices = 1;
 }

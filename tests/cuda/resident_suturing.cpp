@@ -70,15 +70,17 @@ TEST_CASE("bits on a device depend on neither the order nor the number of thread
 
 TEST_CASE("an environment on a device does not feel the others of its batch", "[cuda][batch]") {
   auto const c = config();
-  auto alone = device_run(1), batch = device_run(4);
-  for (std::int64_t env : {0, 3})
+  auto alone = device_run(1), pulled = device_run(1), batch = device_run(4);
+  auto const pull = [&](OnDevice& run, std::int64_t env, float speed) {
     for (std::int64_t k = 0; k < c.thread.beads; ++k)
-      batch.state().set<bead::Velocity>(env, k, {{0.0f, 0.01f * float(env + 1), 0.0f}});
+      run.state().set<bead::Velocity>(env, k, {{0.0f, speed, 0.0f}});
+  };
+  pull(pulled, 0, 0.01f), pull(batch, 0, 0.01f), pull(batch, 3, 0.04f);
   poison(batch, 1);
   auto const lost = read(batch).get<particle::Position>(1, 5);
-  drive(alone, c, steps_to_tissue, 3);
-  drive(batch, c, steps_to_tissue, 3);
-  CHECK(same_bits(read(alone), 0, read(batch), 2));
+  for (OnDevice* run : {&alone, &pulled, &batch}) drive(*run, c, steps_to_tissue, 3);
+  CHECK(same_bits(read(pulled), 0, read(batch), 0));  // they share a block: the grid of one
+  CHECK(same_bits(read(alone), 0, read(batch), 2));   // comes when the other's has been gathered
   CHECK_FALSE(same_bits(read(alone), 0, read(batch), 3));
   CHECK(has(batch.status(1), Fault::not_finite));
   CHECK(read(batch).get<environment::Step>(1) == read(batch).get<environment::Step>(2) - 12);

@@ -58,6 +58,7 @@ inline std::size_t free_bytes = std::size_t{1} << 34;
 inline int multiprocessors = 2;
 inline int shared_bytes_per_block = 232448;
 inline int launches = 0, allocations = 0, copies = 0, waits = 0;  // counted
+inline int present_device = 0, waited_for = 0;                    // waited_for: the device of the last wait
 
 // One block of threads.
 class Block {
@@ -276,9 +277,16 @@ using cudaStream_t = struct EmulatedStream*;
 inline char const* cudaGetErrorString(cudaError_t) { return "an emulated error"; }
 inline cudaError_t cudaGetLastError() { return cudaSuccess; }
 inline cudaError_t cudaGetDeviceCount(int* count) { return *count = emulated::devices, cudaSuccess; }
-inline cudaError_t cudaGetDevice(int* device) { return *device = 0, cudaSuccess; }
-inline cudaError_t cudaSetDevice(int) { return cudaSuccess; }
-inline cudaError_t cudaStreamSynchronize(cudaStream_t) { return ++emulated::waits, cudaSuccess; }
+inline cudaError_t cudaGetDevice(int* device) {
+  return *device = emulated::present_device, cudaSuccess;
+}
+inline cudaError_t cudaSetDevice(int device) {
+  return emulated::present_device = device, cudaSuccess;
+}
+inline cudaError_t cudaStreamSynchronize(cudaStream_t) {
+  emulated::waited_for = emulated::present_device;
+  return ++emulated::waits, cudaSuccess;
+}
 inline cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr which, int) {
   *value = which == cudaDevAttrMultiProcessorCount ? emulated::multiprocessors
                                                    : emulated::shared_bytes_per_block;
