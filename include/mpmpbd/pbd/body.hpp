@@ -191,9 +191,11 @@ template <class... Policies> struct Pbd {
   template <class Team, class Env, class T, class Forces>
   MPMPBD_HD static std::uint32_t step(Team const& team, Env const& env, Tick<T> const& whole,
                                       Forces const& forces) {
-    Tick<T> const tick{whole.dt / T(substeps), whole.previous_dt / T(substeps), whole.step};
+    Tick<T> tick = whole;
+    tick.dt /= T(substeps), tick.previous_dt /= T(substeps);
     std::uint32_t faults = 0;
     for (int s = 0; s < substeps; ++s) {
+      tick.time = whole.time + T(s) * tick.dt;
       forces(team, env, tick);
       faults |= predict(team, env, tick);
       faults |= solve(team, env, tick);
