@@ -49,6 +49,14 @@ MPMPBD_HD std::uint32_t run_by_team(Team_ const& team, Env const& env, Ctx const
     return Stage::run(team, env, context, grid);
   }
 }
+// Runs such stages one after the other. Returns the faults met.
+template <class... Stages, class Team_, class Env, class Ctx, class Grid>
+MPMPBD_HD std::uint32_t run_all_by_team(TypeList<Stages...>, Team_ const& team, Env const& env,
+                                        Ctx const& context, Grid const& grid) {
+  std::uint32_t faults = 0;
+  ((faults |= run_by_team<Stages>(team, env, context, grid)), ...);
+  return faults;
+}
 
 // Momentum of a node before it is divided by the mass: lives between scatter and node stage.
 namespace node {

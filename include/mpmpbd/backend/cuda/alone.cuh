@@ -36,7 +36,7 @@ template <class Scene, class T> class EnvironmentAlone {
     auto context = load_context<typename Scene::Physics>(fields_, launch_.lattice);
     while (record_.moves) {
       context.tick = record_.clock.tick(record_.done);
-      note(run(context, typename Scene::Substep::Stages{}));
+      note(run_all_by_team(typename Scene::Substep::Stages{}, team_, fields_, context, NoNodes{}));
       note(lost_bodies(team_, fields_));
       team_.sync();
       team_.one([&] { close(control); });
@@ -70,12 +70,6 @@ template <class Scene, class T> class EnvironmentAlone {
   }
   __device__ void note(unsigned faults) const {
     if (faults != 0) atomicOr(&record_.met, faults);
-  }
-  template <class Ctx, class... Stages>
-  __device__ unsigned run(Ctx const& context, TypeList<Stages...>) const {
-    unsigned faults = 0;
-    ((faults |= run_by_team<Stages>(team_, fields_, context, NoNodes{})), ...);
-    return faults;
   }
 
   Launch<Scene, T> const& launch_;

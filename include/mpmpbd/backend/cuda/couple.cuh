@@ -48,8 +48,8 @@ template <class Scene, class T> struct Couple {
   __device__ static std::uint32_t run(Team_ const& team, Launch<Scene, T> const& launch,
                                       std::int64_t env, Velocities<T> nodes, Ctx const& context,
                                       char* fast) {
-    return run_all(team, launch.fields(env), seen(launch, env, nodes, context, fast), context,
-                   Stages_{});
+    return run_all_by_team(Stages_{}, team, launch.fields(env), context,
+                           seen(launch, env, nodes, context, fast));
   }
   // The same as a function by itself, so that the compiler joins no product of one stage to a sum of what is around it.
   template <class Stages_, class Team_>
@@ -102,13 +102,6 @@ template <class Scene, class T> struct Couple {
   __device__ static void run_item(Env const& env, Nodes_ const& nodes, Ctx const& context, int item,
                                   TypeList<S>) {
     S::run(env, item, context, nodes);
-  }
-  template <class Team_, class Env, class... Ss>
-  __device__ static std::uint32_t run_all(Team_ const& team, Env const& env, Nodes_ const& nodes,
-                                          Ctx const& context, TypeList<Ss...>) {
-    std::uint32_t faults = 0;
-    ((faults |= run_by_team<Ss>(team, env, context, nodes)), ...);
-    return faults;
   }
 };
 
