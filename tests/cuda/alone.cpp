@@ -7,6 +7,8 @@
 #include "cuda/compare.hpp"
 #include "cuda/threads.hpp"
 
+#include <mpmpbd/backend/cuda/simulation.cuh>
+
 using namespace test;
 
 namespace {

@@ -1,11 +1,10 @@
-// Scenes of threads without tissue for tests of a device, one for each solver.
+// Scenes of threads without tissue for tests of a device, one for each solver, and arcs that fall.
 #pragma once
 
 #include <cmath>
 #include <span>
 #include <vector>
 
-#include <mpmpbd/backend/cuda/simulation.cuh>
 #include <mpmpbd/catalog/scenes.hpp>
 #include <mpmpbd/pbd/constraints/bend_twist.hpp>
 #include <mpmpbd/pbd/constraints/stretch_shear.hpp>

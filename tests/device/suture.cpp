@@ -8,13 +8,13 @@
 
 #include <mpmpbd/backend/cuda.hpp>
 #include <mpmpbd/catalog.hpp>
-#include <mpmpbd/pbd/rod_builder.hpp>
 
 #include "cuda/compare.hpp"
+#include "cuda/threads.hpp"
 
 namespace {
 
-using namespace mpmpbd;
+using namespace test;
 using Scene_ = catalog::Suture;
 using OnHost = Simulation<Scene_, Serial, float>;
 using OnDevice = Simulation<Scene_, Cuda, float>;
@@ -25,55 +25,20 @@ void check(bool ok, char const* what, double value = 0) {
   (ok ? passed : failed) += 1;
 }
 
-constexpr RodMaterial nylon{2e9, 1.15e-4, 1140.0};
-constexpr double step = 2e-3, gravity = 9.81;
-constexpr int substeps = 2;
-
-SimulationOptions options(std::int64_t environments, int beads) {
-  SimulationOptions o;
-  o.environments = environments;
-  o.capacity = {{"bead", beads}, {"Distance", beads}, {"Bend", beads}};
-  o.substeps = substeps;
-  return o;
-}
 auto const& read(OnDevice const& run) { return run.state(); }
 auto const& read(OnHost const& run) { return run.state(); }
 
-// An arc that falls, held at one end.
-constexpr int beads = 150;
-constexpr double length = 0.3;
-template <class Run> Run falling(std::int64_t environments, auto... where) {
-  Run run(options(environments, beads), where...);
-  for (std::int64_t env = 0; env < environments; ++env) {
-    std::vector<Vec3<double>> line;
-    double const turn = 1.0 + 0.1 * double(env);
-    for (int k = 0; k < beads; ++k) {
-      double const angle = turn * k / (beads - 1);
-      line.push_back(length / turn * vec(std::sin(angle), 0.02 * angle, 1 - std::cos(angle)));
-    }
-    RodAssembly<Scene_::Rods> rod;
-    add_thread(rod, std::span<Vec3<double> const>(line), nylon);
-    rod.prescribe(0);
-    rod.write(run.state(), env);
-    run.template set<Gravity>(env, {{0.0, 0.0, -gravity}});
-  }
-  run.remember();
-  return run;
-}
 template <class Run> void step_on(Run& run, int steps) {
   for (int s = 0; s < steps; ++s) run.step(step);
 }
 
-// Positions are rounded once a substep, and what they are off by turns into velocity.
 void compare_with_host() {
   constexpr int steps = 10;
-  auto host = falling<OnHost>(2);
-  auto device = falling<OnDevice>(2);
+  auto host = with_arcs<OnHost>(2);
+  auto device = with_arcs<OnDevice>(2);
   step_on(host, steps), step_on(device, steps);
-  double const v = steps * substeps * 0x1p-24 * length / (step / substeps);
-  double const x = v * steps * step;
-  auto const apart = test::difference<bead::Position>(read(device), read(host));
-  check(apart < x, "a falling thread is where it is on the host [m]", apart);
+  auto const apart = difference<bead::Position>(read(device), read(host));
+  check(apart < arc_rounding(steps), "a falling thread is where it is on the host [m]", apart);
   for (std::int64_t env : {0, 1})
     check(device.status(env) == host.status(env), "the status is the host's", device.status(env));
 }
@@ -81,18 +46,18 @@ void compare_with_host() {
 // 300 environments have a warp each; one alone has a thread for every bead, or 128.
 void compare_companies() {
   constexpr int steps = 25;
-  auto many = falling<OnDevice>(300), again = falling<OnDevice>(300);
-  OnDevice one = falling<OnDevice>(1), narrow = falling<OnDevice>(1, Cuda{.threads = 128});
+  auto many = with_arcs<OnDevice>(300), again = with_arcs<OnDevice>(300);
+  OnDevice one = with_arcs<OnDevice>(1), narrow = with_arcs<OnDevice>(1, Cuda{.threads = 128});
   auto alone = read(one);
   alone.copy_environment(0, read(many), 217);
   one.restore(alone), narrow.restore(alone);
   step_on(many, steps), step_on(again, steps), step_on(narrow, steps), step_on(one, steps);
   bool same = true;
   for (std::int64_t env = 0; env < 300; ++env)
-    same = same && test::same_bits(read(many), env, read(again), env);
+    same = same && same_bits(read(many), env, read(again), env);
   check(same, "the same bits again");
-  check(test::same_bits(read(many), 217, read(one), 0), "the same bits alone");
-  check(test::same_bits(read(many), 217, read(narrow), 0), "and with fewer threads");
+  check(same_bits(read(many), 217, read(one), 0), "the same bits alone");
+  check(same_bits(read(many), 217, read(narrow), 0), "and with fewer threads");
 
   again.reset();
   again.state().set<bead::Position>(5, 7, {{std::numeric_limits<float>::quiet_NaN(), 0, 0}});
@@ -109,7 +74,7 @@ void compare_companies() {
 void compare_with_catenary() {
   constexpr int n = 41, steps = 2500;
   constexpr double l = 1.0, span = 0.6, settling = 3.0;
-  OnDevice run(options(1, n));
+  OnDevice run(thread_options<Scene_>(1));
   double const drop = std::sqrt(square(l / 2) - square(span / 2));
   std::vector<Vec3<double>> const corner{vec(0.0, 0.0, 0.0), vec(span / 2, 0.0, -drop),
                                          vec(span, 0.0, 0.0)};
@@ -117,7 +82,7 @@ void compare_with_catenary() {
   add_thread(rod, std::span<Vec3<double> const>(corner), n, RodMaterial{1e7, 1.15e-4, 1140.0});
   rod.prescribe(0), rod.prescribe(n - 1);
   rod.write(run.state(), 0);
-  run.set<Gravity>({{0.0, 0.0, -gravity}});
+  run.set<Gravity>({{0.0, 0.0, -9.81}});
   run.set<Damping>({settling});
   step_on(run, steps);
 

@@ -5,6 +5,8 @@
 #include "cuda/compare.hpp"
 #include "cuda/threads.hpp"
 
+#include <mpmpbd/backend/cuda/simulation.cuh>
+
 namespace {
 
 using namespace test;
