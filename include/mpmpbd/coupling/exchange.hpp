@@ -436,7 +436,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   //
   // Which one-sided points touch is a linear complementarity problem, solved by block principal pivoting (Judice
   // and Pires 1994): those that pull let go, those that would go in take hold, all at once while that leaves
-  // fewer of them wrong, else one at a time. Should it not end, or a last one be wrong whatever it does, they only let go
+  // fewer of them wrong, else one at a time. Should it not end, or one and the same point stay wrong, they only let go
   // until none pulls and no tip exceeds its cap: these limits are hard. Letting go alone would not do: held at once by all
   // its points, a stiff thread pulls at every second one, and it would end with none.
   MPMPBD_HD void find_holds(bool first) const {

@@ -117,10 +117,9 @@ MPMPBD_HD T embedding_weights(Lattice<T> const& lattice, Vec3<T> const& x, Nodes
   return s.mass;
 }
 // The mean of f(node) with these weights, in one visit of the nodes; what f is where there is no mass has no part in it.
-// `mass` is 0, and there is no mean, where the point is unusable.
 template <class T> struct EmbeddedMean {
-  Vec3<T> value;
-  T mass;
+  Vec3<T> value;  // [unit of f]
+  T mass;         // sum w m [kg]; 0, and there is no mean, where the point is unusable
 };
 template <class Shape, class T, class Nodes, class F>
 MPMPBD_HD EmbeddedMean<T> embedded_mean(Lattice<T> const& lattice, Vec3<T> const& x,
