@@ -7,31 +7,26 @@
 #pragma once
 
 #include <mpmpbd/core/status.hpp>
+#include <mpmpbd/coupling/hold_search.hpp>
 #include <mpmpbd/coupling/thread_solve.hpp>
 
 namespace mpmpbd {
 
 namespace detail {
 
-// How often at most one-sided points let go and take hold again, one pass each, and after that only let go;
-// how many of these trials may leave as many of them wrong as before, or the same one.
-inline constexpr int most_trials = 16, most_releases = 8, patience = 3;
-
-// How a trial is judged: what lets go, slides or is at its cap; what was wrong in that (regrip: in the first sweep); which
-// one-sided points touch; and which of these have to let go.
-enum class Revision { yield, regrip, reconsider, settle, release };
-
 template <class Team_, class T, class Form, class Nodes> struct Exchange {
-  using View_ = ExchangeView<T, Form>;
+  using Scalar = T;
+  using Team = Team_;
+  using View = ExchangeView<T, Form>;
   using Law = ContactLaw<T, typename Form::FrictionLaw, typename Form::DragLaw>;
 
   Team_ const& team;
-  View_ const& x;
+  View const& x;
   Nodes const& nodes;
   Law law;
   ThreadSolve<Team_, T, Form> thread;
 
-  MPMPBD_HD Exchange(Team_ const& team_, View_ const& x_, Nodes const& nodes_)
+  MPMPBD_HD Exchange(Team_ const& team_, View const& x_, Nodes const& nodes_)
       : team(team_), x(x_), nodes(nodes_), law{x_.dt, x_.friction, x_.drag}, thread{team_, x_} {}
 
   MPMPBD_HD bool dynamic() const { return x.needle->motion == Motion::dynamic; }
@@ -360,117 +355,6 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
 
-  // Holds that should change: how many, and the sum of their places; of a single one, its place.
-  struct Wrong {
-    int count, places;
-  };
-  // Judges every hold after a trial.
-  MPMPBD_HD Wrong judge(Revision how) const {
-    team.one([&] { x.scratch->changed = x.scratch->places = 0; });
-    team.sync();
-    team.each(x.count(), [&](int q) {
-      PointWork<T>& w = x.work[q];
-      w.next = x.on[q] ? judged(q, how) : w.hold;
-      if (w.next == w.hold) return;
-      team.add(x.scratch->changed, 1);
-      team.add(x.scratch->places, q);
-    });
-    team.sync();
-    Wrong const wrong{x.scratch->changed, x.scratch->places};
-    team.sync();
-    return wrong;
-  }
-  // Changes the holds as judged: all of them, or the last that is wrong.
-  MPMPBD_HD void adopt(bool all) const {
-    team.one([&] {
-      x.scratch->revised = 1;
-      int q = all ? -1 : x.count() - 1;
-      while (q >= 0 && x.work[q].next == x.work[q].hold) --q;
-      if (q >= 0) x.work[q].hold = x.work[q].next;
-    });
-    team.each(all ? x.count() : 0, [&](int q) { x.work[q].hold = x.work[q].next; });
-    team.sync();
-  }
-  MPMPBD_HD Hold judged(int q, Revision how) const {
-    bool const one_sided = is_one_sided(x.points[q]);
-    switch (how) {
-      case Revision::yield:
-        return one_sided ? settles(q) : yields(q);
-      case Revision::regrip:
-        return x.work[q].hold == Hold::open ? settles(q) : reconsiders(q);
-      case Revision::reconsider:
-        return reconsiders(q);
-      case Revision::settle:
-        return one_sided ? settles(q) : x.work[q].hold;
-      default:
-        return one_sided ? yields(q) : x.work[q].hold;
-    }
-  }
-  MPMPBD_HD Hold yields(int q) const {
-    PointWork<T>& w = x.work[q];
-    return law.yields(x.points[q], w.hold, w.J + w.dJ, w.slip_impulse);
-  }
-  MPMPBD_HD Hold returns(int q) const {
-    PointWork<T> const& w = x.work[q];
-    return law.returns(x.points[q], w.hold, w.J + w.dJ, w.u + w.D * w.dJ - body_velocity(q));
-  }
-  MPMPBD_HD Hold reconsiders(int q) const {
-    PointWork<T>& w = x.work[q];
-    Hold const next = returns(q);
-    if (next != w.hold) w.slip_impulse = {};
-    return is_one_sided(x.points[q]) && next == w.hold ? yields(q) : next;
-  }
-  // What takes hold again slides freely until the next sweep. If it stuck, it could pull although it would push
-  // when it slides, and trials would go on for ever. The first sweep, of which lateral loads alone matter, lets it slide at once.
-  MPMPBD_HD Hold settles(int q) const {
-    PointWork<T>& w = x.work[q];
-    if (w.hold != Hold::open && w.hold != Hold::full) return yields(q);
-    Hold const next = returns(q);
-    if (next == w.hold || x.points[q].contact == Contact::tip) return next;
-    w.slip_impulse = {};
-    return Hold::slide;
-  }
-
-  // Tries holds until none is wrong. The first trial lets points slide and let go; a second one takes back what was wrong
-  // in that. Where one-sided points still are, it goes on:
-  //
-  // Which one-sided points touch is a linear complementarity problem, solved by block principal pivoting (Judice
-  // and Pires 1994): those that pull let go, those that would go in take hold, all at once while that leaves
-  // fewer of them wrong, else one at a time. Should it not end, or one and the same point stay wrong, they only let go
-  // until none pulls and no tip exceeds its cap: these limits are hard. Letting go alone would not do: held at once by all
-  // its points, a stiff thread pulls at every second one, and it would end with none.
-  MPMPBD_HD void find_holds(bool first) const {
-    Revision how = Revision::yield;
-    int trials = 0, fewest = x.count() + 1, left = patience, last = -1, repeated = 0;
-    for (bool fresh = true;;) {  // holds that no trial has seen
-      if (fresh) pass();
-      if (trials == most_trials + most_releases) return;
-      Wrong const wrong = judge(how);
-      fresh = wrong.count > 0;
-      bool all = true;
-      switch (how) {
-        case Revision::yield:
-          if (!fresh && !Law::grips) return;
-          how = first ? Revision::regrip : Revision::reconsider;
-          break;
-        case Revision::regrip:
-        case Revision::reconsider:
-          if (!fresh) return;
-          how = Revision::settle;
-          break;
-        default:
-          if (!fresh) return;
-          left = wrong.count < fewest ? patience : left - 1;
-          fewest = min(fewest, wrong.count);
-          all = how == Revision::release || left >= 0;
-          repeated = wrong.count == 1 && wrong.places == last ? repeated + 1 : 0;
-          last = wrong.count == 1 ? wrong.places : -1;
-          if (++trials == most_trials || repeated == patience) how = Revision::release;
-      }
-      if (fresh) adopt(all);
-    }
-  }
-
   // After observe(). The first sweep begins as the last substep ended; what it cannot tell is tried in stick. The
   // second goes on with what the first found, at the friction of the lateral load it left. The load of the
   // stick trial itself is not that load: in a bend, points that hold a moving thread along also press it
@@ -485,7 +369,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       if (first && Law::is_limit(w.hold)) team.add(x.scratch->resumed, 1);
     });
     team.sync();
-    find_holds(first);
+    HoldSearch<Exchange>(*this).find(first);
     push_nodes([&](int q) { return x.work[q].dJ; },
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.velocity += dv; });
     team.each(x.count(), [&](int q) {
