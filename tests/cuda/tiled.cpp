@@ -84,6 +84,23 @@ TEST_CASE("needle, thread and tissue have the same bits in blocks' memory and in
   CHECK(same_everywhere(in_blocks, on_device));
 }
 
+// Two multiprocessors are emulated: three environments share them, and each has half of the memory near a block. What of a
+// coupling does not fit into it lies in the device's.
+TEST_CASE("how much memory a coupling finds near its block changes no bit", "[cuda][tiled]") {
+  using Run = Simulation<Squeezed, Cuda, float>;
+  auto const moved = [](std::int64_t environments) {
+    auto run = made<Run>(environments, tiled);
+    for (int s = 0; s < 2; ++s) run.step(step);
+    return run;
+  };
+  emulated::shared_bytes_per_block = 6 << 10;
+  auto const little = moved(3);
+  emulated::shared_bytes_per_block = 232448;
+  auto const shared = moved(3), plenty = moved(1);
+  CHECK(same_everywhere(shared, little));
+  CHECK(same_bits(read(shared), 0, read(plenty), 0));
+}
+
 // A resident step scatters while it still looks, in the hope that it will be like the one before; one in tiled form never hopes.
 TEMPLATE_TEST_CASE("a step unlike the one before has the bits of one that expects nothing",
                    "[cuda][tiled][time_step]", Relaxing, Squeezed) {

@@ -130,9 +130,10 @@ template <class In> struct ExchangeImpulses {
     if constexpr (requires { grid.fast; }) fast = grid.fast;
     std::size_t const used = a.cut(grid.scratch, n, fast).used;
     auto x = view(env, context, grid, n, a);
+    auto const end = load_needle(team, env, context, x);
     load_points(team, env, x);
     load_thread(team, env, context, x, a);
-    load_needle(team, env, context, x);
+    tie_thread(team, env, x, end);
     hold_thread(env, context, x);
     place_thread_points(team, x);
     place_needle_points(team, env, context, x);
@@ -200,7 +201,6 @@ template <class In> struct ExchangeImpulses {
       p.impulse = env.template get<contact::Impulse>(q);
       p.contact = Contact::member;
     });
-    team.sync();
   }
 
   template <class Team_, class Env, class Ctx, class X, class Arrays>
@@ -278,10 +278,12 @@ template <class In> struct ExchangeImpulses {
     return T(0);
   }
 
+  // By one lane, while others load points and thread. Returns the needle's blunt end, which that lane alone knows.
   template <class Team_, class Env, class Ctx, class X>
-  MPMPBD_HD static void load_needle(Team_ const& team, Env const& env,
+  MPMPBD_HD static auto load_needle(Team_ const& team, Env const& env,
                                     [[maybe_unused]] Ctx const& context, X const& x) {
     using T = typename X::Scalar;
+    SwagePoint<T> end{};
     team.one([&] {
       RigidBody<T>& body = *x.needle;
       body = {};
@@ -295,10 +297,12 @@ template <class In> struct ExchangeImpulses {
           load_dynamic(body, Needle::body(context.template of<Needle>()), pose, twist);
         else
           load_kinematic(body, pose, twist, x.dt);
-        if constexpr (swaged) tie_thread(env, context, x, pose, twist);
+        if constexpr (swaged)
+          end = swage_point(Needle::arc(context.template of<Needle>()), pose,
+                            Sweep<T>::of(pose, twist, x.dt));
       }
     });
-    team.sync();
+    return end;
   }
   template <class T>
   MPMPBD_HD static void load_kinematic(RigidBody<T>& body, Pose<T> const& pose,
@@ -326,18 +330,21 @@ template <class In> struct ExchangeImpulses {
     }
   }
   // The swaged bead sits at the blunt end; with a needle whose motion is given, its velocity is known.
-  template <class Env, class Ctx, class X, class T>
-  MPMPBD_HD static void tie_thread(Env const& env, Ctx const& context, X const& x,
-                                   Pose<T> const& pose, Twist<T> const& twist) {
-    if (env.template live<Instances<Swage>>() == 0) return;
-    auto const b = env.template get<typename instance<Swage>::Index>(0);
-    auto const end = swage_point(Needle::arc(context.template of<Needle>()), pose,
-                                 Sweep<T>::of(pose, twist, x.dt));
-    x.thread.position[b] = end.position;
-    if constexpr (!Needle::is_dynamic) {
-      x.thread.velocity[b] = end.velocity;
-      const_cast<bool*>(x.thread.known)[b] = true;
-    }
+  template <class Team_, class Env, class X, class T>
+  MPMPBD_HD static void tie_thread(Team_ const& team, [[maybe_unused]] Env const& env,
+                                   [[maybe_unused]] X const& x,
+                                   [[maybe_unused]] SwagePoint<T> const& end) {
+    if constexpr (In::has_needle && swaged)
+      team.one([&] {
+        if (x.needle_points == 0 || env.template live<Instances<Swage>>() == 0) return;
+        auto const b = env.template get<typename instance<Swage>::Index>(0);
+        x.thread.position[b] = end.position;
+        if constexpr (!Needle::is_dynamic) {
+          x.thread.velocity[b] = end.velocity;
+          const_cast<bool*>(x.thread.known)[b] = true;
+        }
+      });
+    team.sync();
   }
 
   // The thread leaves the needle as the wire ends. Every lane has its own view, so all of them note it.
@@ -476,24 +483,24 @@ template <class In> struct ExchangeImpulses {
       needle::set_twist(d.view, d.first,
                         Twist<T>{x.needle->velocity - cross(spin, body.arm(pose)), spin});
     }
+    // Everything is loaded before anything is stored: a device waits once then.
     bool const first = context.tick.substep == 0;
-    T const share = T(1) / T(context.tick.substeps);
-    auto add = [&]<class F>(F, value_t<F, T> const& now) {
-      env.template set<F>(0, first ? share * now : env.template get<F>(0) + share * now);
+    auto const before = [&]<class F>(F) {
+      return first ? value_t<F, T>{} : env.template get<F>(0);
     };
+    Vec3<T> const force = before(needle::Force{}), moment = before(needle::Moment{});
+    T const at_tip = before(needle::TipForce{}), peak = before(needle::PeakForce{}),
+            pull = before(needle::ThreadPull{});
+    T const share = T(1) / T(context.tick.substeps);
     auto const w = needle_wrench(x, pose.position);
-    add(needle::Force{}, w.force);
-    add(needle::Moment{}, w.moment);
+    env.template set<needle::Force>(0, force + share * w.force);
+    env.template set<needle::Moment>(0, moment + share * w.moment);
     ContactPoint<T> const& tip = x.points[x.thread_points()];
-    T const tip_now = dot(tip.axis, tip.impulse) / x.dt;
-    env.template set<needle::TipForce>(
-        0, first ? share * tip_now : env.template get<needle::TipForce>(0) + share * tip_now);
+    env.template set<needle::TipForce>(0, at_tip + share * (dot(tip.axis, tip.impulse) / x.dt));
     T const size = norm(w.force);
-    env.template set<needle::PeakForce>(
-        0, first ? size : max(size, env.template get<needle::PeakForce>(0)));
-    T const pull = swaged && x.thread.beads > 1 ? tension(x, x.thread.beads - 2) : T(0);
-    env.template set<needle::ThreadPull>(
-        0, first ? share * pull : env.template get<needle::ThreadPull>(0) + share * pull);
+    env.template set<needle::PeakForce>(0, first ? size : max(size, peak));
+    T const now = swaged && x.thread.beads > 1 ? tension(x, x.thread.beads - 2) : T(0);
+    env.template set<needle::ThreadPull>(0, pull + share * now);
   }
 };
 

@@ -315,14 +315,14 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 
   // Adds two numbers f(q) up over the points that are on, in their order; one lane gives the sums to use(sums).
   template <class F, class Use> MPMPBD_HD void sum_over_all(F const& f, Use const& use) const {
-    team.each(x.count(), [&](int q) {
-      if (x.on[q]) x.work[q].terms = f(q);
-    });
+    team.each(x.count(), [&](int q) { x.work[q].terms = x.on[q] ? f(q) : Vec<T, 2>{}; });
     team.sync();
     team.one([&] {
       Vec<T, 2> sum{};
-      for (int q = 0; q < x.count(); ++q)
-        if (x.on[q]) sum += x.work[q].terms;
+#if defined(__CUDA_ARCH__)
+#pragma unroll 8
+#endif
+      for (int q = 0; q < x.count(); ++q) sum += x.work[q].terms;
       use(sum);
     });
     team.sync();

@@ -40,7 +40,7 @@ template <class Group_> concept Group = requires(Group_ const& group, detail::Te
   { group.part(1) } -> std::same_as<Piece>;
 };
 
-// each(n, f): f(0) ... f(n-1), spread over the lanes, in no order. one(f): f() on one lane.
+// each(n, f): f(0) ... f(n-1), spread over the lanes, in no order. one(f): f() on one lane, always the same.
 // groups(n, f): f(group, 0) ... f(group, n-1), each by all lanes of one group, in no order.
 // sync(): what any lane wrote before is seen by all lanes after. Nothing else waits for the team.
 // add(counter, n): adds n, returns the value before. claim(mark, from, to): sets mark to `to` for the

@@ -15,14 +15,14 @@ template <class Team_, class T, class Form> struct ThreadSolve {
 
   MPMPBD_HD int head() const { return x.thread_work.head->beads; }
   MPMPBD_HD void find_head() const {
-    team.one([&] {
-      int first = max(x.thread.beads - 1, 0);
-      auto const include = [&](int q) {
-        if (x.on[q]) first = min(first, x.points[q].segment);
-      };
-      for (int q = 0; q < x.thread_points(); ++q) include(q);
-      for (int q = x.first_attached(); q < x.count(); ++q) include(q);
-      x.thread_work.head->beads = first;
+    team.groups(1, [&](auto const& group, int) {
+      std::int64_t first = max(x.thread.beads - 1, 0);
+      group.each(x.count(), [&](int q) {
+        int const segment = x.points[q].segment;
+        if (x.on[q] && segment >= 0 && segment < first) first = segment;
+      });
+      first = group.min(first);
+      group.one([&] { x.thread_work.head->beads = static_cast<int>(first); });
     });
     team.sync();
   }

@@ -104,10 +104,10 @@ MPMPBD_HD Cutter cut_workspace(char* memory, FastMemory const& fast, ExchangeCap
   i.per_point = per_point;
   i.weight = cutter.cut_fast<T>(pairs);
   i.slot = cutter.cut_fast<int>(pairs);
-  i.node = cutter.cut<int>(pairs);
-  i.pairs = cutter.cut<int>(pairs);
-  i.nodes = cutter.cut<TouchedNode<T>>(i.node_capacity);
-  i.counters = cutter.cut<int>(2);
+  i.counters = cutter.cut_fast<int>(2);
+  i.pairs = cutter.cut_fast<int>(pairs);
+  i.node = cutter.cut_fast<int>(pairs);
+  i.nodes = cutter.cut_fast<TouchedNode<T>>(i.node_capacity);
   return cutter;
 }
 

@@ -60,6 +60,16 @@ inline int shared_bytes_per_block = 232448;
 inline int launches = 0, allocations = 0, copies = 0, waits = 0;  // counted
 inline int present_device = 0, waited_for = 0;                    // waited_for: the device of the last wait
 
+// Bytes of shared memory that a kernel may have, where more than every device gives unasked has been granted.
+inline std::map<void*, std::size_t>& granted() {
+  static std::map<void*, std::size_t> bytes;
+  return bytes;
+}
+inline std::size_t most_shared_bytes(void* kernel) {
+  auto const asked = granted().find(kernel);
+  return asked != granted().end() ? asked->second : std::size_t{48} << 10;
+}
+
 // One block of threads.
 class Block {
  public:
@@ -310,12 +320,17 @@ inline cudaError_t cudaMemcpyAsync(void* to, void const* from, std::size_t bytes
 inline cudaError_t cudaMemsetAsync(void* to, int value, std::size_t bytes, cudaStream_t) {
   return std::memset(to, value, bytes), cudaSuccess;
 }
-template <class Kernel> cudaError_t cudaFuncSetAttribute(Kernel*, cudaFuncAttribute, int bytes) {
-  return bytes <= emulated::shared_bytes_per_block ? cudaSuccess : cudaErrorInvalidValue;
+template <class Kernel>
+cudaError_t cudaFuncSetAttribute(Kernel* kernel, cudaFuncAttribute, int bytes) {
+  if (bytes > emulated::shared_bytes_per_block) return cudaErrorInvalidValue;
+  emulated::granted()[reinterpret_cast<void*>(kernel)] = static_cast<std::size_t>(bytes);
+  return cudaSuccess;
 }
 template <class... Args>
 cudaError_t cudaLaunchKernel(void (*kernel)(Args...), dim3 grid, dim3 block, void** args,
                              std::size_t shared_bytes, cudaStream_t) {
+  if (shared_bytes > emulated::most_shared_bytes(reinterpret_cast<void*>(kernel)))
+    return cudaErrorInvalidValue;
   ++emulated::launches;
   gridDim = grid;
   blockDim = block;

@@ -44,7 +44,7 @@ template <class Scene, class T> class ExecutionOnGrid {
     if (is_resident_)
       prepare_resident();
     else
-      check_tiled();
+      prepare_tiled();
   }
 
   std::size_t bytes() const {
@@ -60,7 +60,7 @@ template <class Scene, class T> class ExecutionOnGrid {
   void run(Launch<Scene, T> const& launch, cudaStream_t stream) const {
     if constexpr (may_be_resident)
       if (is_resident_) return resident_.run(launch, threads_, processors_, shared_limit_, stream);
-    tiled_.run(launch, threads_, processors_, stream);
+    tiled_.run(launch, threads_, processors_, shared_limit_, stream);
   }
   std::string why() const {
     if (looks_back)
@@ -89,11 +89,12 @@ template <class Scene, class T> class ExecutionOnGrid {
       Resident::reserve(shared_limit_);
     }
   }
-  void check_tiled() const {
+  void prepare_tiled() const {
     if (nodes_ > Tiled::most_nodes)
       throw std::invalid_argument("mpmpbd Cuda: a grid of " + std::to_string(nodes_) +
                                   " nodes; a device holds " + std::to_string(Tiled::most_nodes) +
                                   " of an environment at most; use fewer nodes or larger cells");
+    Tiled::reserve(shared_limit_);
   }
 
   int threads_;

@@ -53,8 +53,9 @@ template <class Team_> struct ThreadsOfBlock {
   template <class F> __device__ void each(int n, F const& f) const {
     for (int i = self().rank(); i < n; i += self().size()) f(i);
   }
+  // The last one: it has least to do of what threads share out, so that both go on side by side.
   template <class F> __device__ void one(F const& f) const {
-    if (self().rank() == 0) f();
+    if (self().rank() == self().size() - 1) f();
   }
   // Those that are no whole warp have no share.
   template <class F> __device__ void groups(int n, F const& f) const {

@@ -13,6 +13,8 @@
 // Limits: where environments choose their substeps, how many launches there are is read back once per step.
 #pragma once
 
+#include <algorithm>
+
 #include <mpmpbd/backend/cuda/couple.cuh>
 #include <mpmpbd/backend/cuda/memory.cuh>
 #include <mpmpbd/backend/cuda/passes.cuh>
@@ -175,8 +177,13 @@ template <class Scene, class T> class TiledEnvironment {
   static int threads(std::int64_t environments, std::int64_t processors) {
     return environments <= processors ? most_threads : most_threads / 2;
   }
-  static constexpr std::int64_t most_fast_bytes = 48 << 10;  // what every device gives unasked
-  static constexpr int opens = -2, chooses = -1;             // else: the substep that is coupled
+  // And of the shared memory that a block may have, less what the device itself keeps for each.
+  static std::int64_t fast_bytes(std::int64_t asked, std::int64_t environments,
+                                 std::int64_t processors, std::int64_t limit) {
+    constexpr std::int64_t kept = 1 << 10;
+    return std::min(asked, environments <= processors ? limit : (limit - kept) / 2);
+  }
+  static constexpr int opens = -2, chooses = -1;  // else: the substep that is coupled
 
   __device__ explicit TiledEnvironment(TiledLaunch<Scene, T> const& launch)
       : block_{launch, blockIdx.x, 0} {}
@@ -257,8 +264,13 @@ template <class Scene, class T> class TiledSteps {
     fill(0, memory_.bytes(), stream);
   }
 
-  // With blocks of so many threads on a device with so many multiprocessors.
-  void run(Launch<Scene, T> step, int threads, std::int64_t processors, cudaStream_t stream) const;
+  // Lets blocks have so much shared memory on the present device.
+  static void reserve(std::int64_t bytes);
+
+  // With blocks of so many threads on a device with so many multiprocessors, where a block may have `limit` bytes of shared
+  // memory.
+  void run(Launch<Scene, T> step, int threads, std::int64_t processors, std::int64_t limit,
+           cudaStream_t stream) const;
 
  private:
   static constexpr std::size_t counter_bytes = 256;
@@ -283,11 +295,17 @@ template <class Scene, class T> class TiledSteps {
 };
 
 // Not inline, so that `extern template` keeps the kernels to one source.
+template <class Scene, class T> void TiledSteps<Scene, T>::reserve(std::int64_t bytes) {
+  require(
+      cudaFuncSetAttribute(tiled_environment<Scene, T>, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                           static_cast<int>(bytes)),
+      "reserving shared memory for a program of this architecture");
+}
 template <class Scene, class T>
 void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, std::int64_t processors,
-                               cudaStream_t stream) const {
+                               std::int64_t limit, cudaStream_t stream) const {
   threads = std::min(threads, most_threads);
-  step.fast_bytes = std::min(step.fast_bytes, Environment::most_fast_bytes);
+  step.fast_bytes = Environment::fast_bytes(step.fast_bytes, environments_, processors, limit);
   TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
                                      memory_.as(grids_at(environments_)), memory_.as<int>()};
   auto const environment = [&](int s) {
