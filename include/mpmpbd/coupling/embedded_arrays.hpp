@@ -14,6 +14,19 @@ struct BodyCounts {
   int attached_points = 0;
   std::int64_t triangles = 0;
   int column_count[2] = {0, 0};
+  bool overflow = false;  // something was left out
+
+  // Leaves out what has no place among so many contact points: attachments first, then the needle from its blunt end on, then
+  // the thread, which is moved as a whole or not at all.
+  MPMPBD_HD void fit(std::int64_t places) {
+    BodyCounts const all = *this;
+    auto const left = [&] { return static_cast<int>(places - exchange().thread_points()); };
+    if (left() < 0) beads = 0;
+    needle_points = min(needle_points, left());
+    attached_points = min(attached_points, left() - needle_points);
+    overflow = beads < all.beads || needle_points < all.needle_points ||
+               attached_points < all.attached_points;
+  }
 
   MPMPBD_HD ExchangeCapacity exchange() const { return {beads, needle_points, attached_points, 0}; }
   MPMPBD_HD std::int64_t columns() const {

@@ -95,7 +95,21 @@ template <class In> struct ExchangeImpulses {
       n.column_count[0] = context.lattice.nodes[0];
       n.column_count[1] = context.lattice.nodes[1];
     }
+    n.fit(places(env));
     return n;
+  }
+  // The most that these numbers can become while the state lies on a device: a needle may grow there.
+  template <class Env, class Ctx>
+  MPMPBD_HD static BodyCounts most(Env const& env, Ctx const& context) {
+    BodyCounts n = counts(env, context);
+    if constexpr (In::has_needle) {
+      auto const others = n.exchange().thread_points() + n.attached_points;
+      n.needle_points = max(n.needle_points, static_cast<int>(places(env)) - others);
+    }
+    return n;
+  }
+  template <class Env> MPMPBD_HD static std::int64_t places(Env const& env) {
+    return env.template domain<ContactPoints>().view.capacity;
   }
 
   // Bytes of scratch for one environment.
@@ -103,7 +117,7 @@ template <class In> struct ExchangeImpulses {
   static std::size_t scratch_bytes(Env const& env, Ctx const& context) {
     using T = typename Ctx::Scalar;
     EmbeddedArrays<T, Form> a;
-    BodyCounts const n = counts(env, context);
+    BodyCounts const n = most(env, context);
     return a.cut(nullptr, n).used + Pressure::template bytes<T, Shape>(
                                         n.exchange().points(), env.template live<Particles>());
   }
@@ -113,7 +127,7 @@ template <class In> struct ExchangeImpulses {
   static std::size_t fast_bytes(Env const& env, Ctx const& context) {
     using T = typename Ctx::Scalar;
     EmbeddedArrays<T, Form> a;
-    BodyCounts const n = counts(env, context);
+    BodyCounts const n = most(env, context);
     FastMemory const all{nullptr, ~std::size_t{0}};
     return a.cut(nullptr, n, all).fast_used + work_alignment +
            exchange_fast_bytes<T, Form>(n.exchange());
@@ -125,6 +139,7 @@ template <class In> struct ExchangeImpulses {
     using T = typename Ctx::Scalar;
     std::uint32_t faults = move_by_others(team, env, context);
     BodyCounts const n = counts(env, context);
+    if (n.overflow) faults |= static_cast<std::uint32_t>(Fault::overflow);
     EmbeddedArrays<T, Form> a;
     FastMemory fast;
     if constexpr (requires { grid.fast; }) fast = grid.fast;

@@ -112,9 +112,9 @@ template <class In> struct AdvanceNeedle {
                                                  Ctx const& context, Grid const& grid) {
     using T = typename Ctx::Scalar;
     std::uint32_t faults = 0;
-    if (env.template live<Needles>() == 0) return faults;
+    auto const n = Exchange::counts(env, context);
+    if (n.needle_points == 0) return faults;
     team.groups(1, [&](auto const& group, int) {
-      auto const n = Exchange::counts(env, context);
       EmbeddedArrays<T, typename Exchange::Form> a;
       a.cut(grid.scratch, n);
       auto const sheet = detail::sheet_of_environment(env);

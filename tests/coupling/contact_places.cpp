@@ -1,0 +1,61 @@
+// What a needle has no contact points for is left out: its environment says so, and no other notices.
+#include <mpmpbd/backend/serial.hpp>
+#include <mpmpbd/catalog.hpp>
+
+#include "catch.hpp"
+#include "cuda/compare.hpp"
+
+using namespace mpmpbd;
+
+namespace {
+
+using Run = Simulation<Suturing, Serial, float>;
+constexpr int steps = 20;
+
+SuturingConfig config() {
+  SuturingConfig c;
+  c.tissue.points = {{24, 12, 12}};
+  return c;
+}
+NeedleConfig larger(double factor) {
+  auto needle = config().needle;
+  needle.radius *= factor;
+  return needle;
+}
+// The needle hangs in the air, the thread falls on the tissue. Environment 0 has a needle `factor` times as large.
+Run falling(std::int64_t environments, double factor) {
+  Run run(suturing::options(config(), environments));
+  for (std::int64_t env = 0; env < environments; ++env) suturing::set_up(run, env, config());
+  run.set<ArcNeedle>(0, larger(factor).parameters());
+  for (int s = 0; s < steps; ++s) run.step(config().time.step);
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("a needle that outgrows its contact points loses its blunt end alone",
+          "[coupling][capacity]") {
+  auto const alone = falling(1, 1.0), beside = falling(2, 2.0);
+  CHECK_FALSE(has(alone.status(0), Fault::overflow));
+  CHECK(has(beside.status(0), Fault::overflow));
+  CHECK_FALSE(has(beside.status(0), Fault::not_finite));
+  CHECK_FALSE(has(beside.status(1), Fault::overflow));
+  CHECK(test::same_bits(beside.state(), 1, alone.state(), 0));
+}
+
+TEST_CASE("what has no place among contact points is left out from the end",
+          "[coupling][capacity]") {
+  auto const fitted = [](std::int64_t places) {
+    BodyCounts n{.beads = 5, .needle_points = 4, .attached_points = 2};
+    n.fit(places);
+    return n;
+  };
+  for (std::int64_t places = 0; places < 14; ++places) {
+    auto const n = fitted(places);
+    CHECK(n.exchange().points() <= places);
+    CHECK(n.overflow == (places < 11));
+    CHECK(n.beads == (places < 5 ? 0 : 5));
+    CHECK(n.needle_points == (places < 5 ? std::min<int>(4, static_cast<int>(places))
+                                         : std::min<int>(4, static_cast<int>(places) - 5)));
+  }
+}
