@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include <mpmpbd/rl/arrays.hpp>
 #include <mpmpbd/rl/cuda/episodes.cuh>
 #include <mpmpbd/rl/cuda/vector_env.hpp>
 
@@ -230,6 +231,26 @@ TEST_CASE("what a step loop shows and pays lies on the device", "[cuda][rl][arra
   auto const before = row(shown, 1, 4);  // newest frame of environment 0
   envs.step(actions(envs, 1));
   CHECK(row(envs.observation<Middle>(), 0, 4) == before);  // which has moved up
+}
+
+TEST_CASE("arrays by name are those on the device", "[cuda][rl][arrays]") {
+  OnDevice envs({}, {.num_envs = 2}, small);
+  auto const named = [](std::vector<NamedArray> const& all, std::string_view name) {
+    for (NamedArray const& one : all)
+      if (one.name == name) return one.array;
+    return Array{};
+  };
+  auto const seen = named(rl::observation_arrays(envs), Middle::name.view());
+  auto const last = named(rl::final_observation_arrays(envs), Middle::name.view());
+  auto const paid = named(rl::outcome_arrays(envs), "reward");
+  CHECK(seen.data == envs.array<Middle>().data);
+  CHECK(last.data == envs.final_array<Middle>().data);
+  CHECK(paid.data == envs.arrays().reward);
+  CHECK(paid.shape[0] == 2);
+  for (Array const& one : {seen, last, paid}) {
+    CHECK(one.place.memory == MemorySpace::cuda);
+    CHECK_FALSE(one.read_only);
+  }
 }
 
 TEST_CASE("what ended on a device is begun anew from a mask that lies there", "[cuda][rl]") {

@@ -88,20 +88,23 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
 
   // Advances every environment by h [s], each with its own number of substeps; with a mask, those where it is not 0.
   // Returns before the device has done so, unless environments in tiled form choose their substeps: how many these are
-  // is waited for.
+  // is waited for. What the host has changed is sent before (send).
   void step(double h, std::span<unsigned char const> mask = {});
 
   // The same with masks in the memory of the device, of which nothing is copied. Null: all environments.
   void step_where(double h, unsigned char const* mask);
   void reset_where(unsigned char const* mask);
-  // Sends what the host has changed; allocates nothing unless it changed how many slots are in use.
+  // Sends the state where the host has changed it, and waits until it is there; allocates nothing unless the host changed how
+  // many slots are in use.
   void send();
   // Waits until the device has done all that it was told.
   void wait() const;
 
-  // A field in the memory of the device, (env, slot, component), valid as long as this run.
+  // A field in the memory of the device, (env, slot, component), valid as long as this run. From now on the device's state
+  // is the newer one; what is written there after the host has looked at the state needs another call.
   template <class F> Array array() {
     send();
+    device_is_newer_ = true;
     return field_array<F>(static_cast<element_t<F, T>*>(plane_of(field_index<F>())), environments(),
                           Base::state_.template table<typename F::Domain>().capacity(), place());
   }

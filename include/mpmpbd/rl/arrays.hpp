@@ -12,6 +12,11 @@ namespace mpmpbd::rl {
 
 namespace detail {
 
+// Whether what environments show and are paid lies in the memory of a device.
+template <class Envs> inline constexpr bool on_device = requires(Envs const& envs) {
+  envs.arrays();
+};
+
 // (num_envs, frames, shape...)
 template <class Group, class Envs, class Numbers>
 NamedArray group_array(Envs const& envs, Numbers const& numbers) {
@@ -22,6 +27,29 @@ NamedArray group_array(Envs const& envs, Numbers const& numbers) {
   // Handed out by somebody who may change the environments.
   return {std::string(Group::name.view()),
           contiguous_array(const_cast<Element*>(numbers.data()), shape)};
+}
+template <class Group, class Envs> NamedArray newest_array(Envs const& envs) {
+  if constexpr (on_device<Envs>)
+    return {std::string(Group::name.view()), envs.template array<Group>()};
+  else
+    return group_array<Group>(envs, envs.template observation<Group>());
+}
+template <class Group, class Envs> NamedArray final_array(Envs const& envs) {
+  if constexpr (on_device<Envs>)
+    return {std::string(Group::name.view()), envs.template final_array<Group>()};
+  else
+    return group_array<Group>(envs, envs.template final_observation<Group>());
+}
+
+struct PlacedOutcome {
+  OutcomeArrays arrays;
+  Place place;
+};
+template <class Envs> PlacedOutcome outcome_of(Envs const& envs) {
+  if constexpr (on_device<Envs>)
+    return {envs.arrays(), envs.place()};
+  else
+    return {const_cast<StepOutcome&>(envs.outcome()).arrays(), {}};
 }
 
 template <class Task, class Of> std::vector<NamedArray> group_arrays(Of&& array_of) {
@@ -35,29 +63,27 @@ template <class Task, class Of> std::vector<NamedArray> group_arrays(Of&& array_
 
 // Observations by group, (num_envs, frames, shape...), the newest frame last.
 template <class Envs> std::vector<NamedArray> observation_arrays(Envs& envs) {
-  return detail::group_arrays<typename Envs::Task>([&]<class G>(std::type_identity<G>) {
-    return detail::group_array<G>(envs, envs.template observation<G>());
-  });
+  return detail::group_arrays<typename Envs::Task>(
+      [&]<class G>(std::type_identity<G>) { return detail::newest_array<G>(envs); });
 }
 // The same of episodes that ended in the last step (Autoreset::same_step); other rows are old.
 template <class Envs> std::vector<NamedArray> final_observation_arrays(Envs& envs) {
-  return detail::group_arrays<typename Envs::Task>([&]<class G>(std::type_identity<G>) {
-    return detail::group_array<G>(envs, envs.template final_observation<G>());
-  });
+  return detail::group_arrays<typename Envs::Task>(
+      [&]<class G>(std::type_identity<G>) { return detail::final_array<G>(envs); });
 }
 
 // The members of StepOutcome by their names: (num_envs), and (num_envs, terms or metrics) in the order of term_names(),
 // metric_names().
 template <class Envs> std::vector<NamedArray> outcome_arrays(Envs& envs) {
-  auto& out = const_cast<StepOutcome&>(std::as_const(envs).outcome());
+  auto const [out, place] = detail::outcome_of(envs);
   std::vector<NamedArray> all;
-  auto per_env = [&](char const* name, auto& numbers) {
+  auto per_env = [&](char const* name, auto* numbers) {
     std::int64_t const shape[] = {envs.num_envs()};
-    all.push_back({name, contiguous_array(numbers.data(), shape)});
+    all.push_back({name, contiguous_array(numbers, shape, place)});
   };
-  auto table = [&](char const* name, auto& numbers, std::int64_t columns) {
+  auto table = [&](char const* name, auto* numbers, std::int64_t columns) {
     std::int64_t const shape[] = {envs.num_envs(), columns};
-    all.push_back({name, contiguous_array(numbers.data(), shape)});
+    all.push_back({name, contiguous_array(numbers, shape, place)});
   };
   per_env("reward", out.reward);
   per_env("terminated", out.terminated);

@@ -66,6 +66,7 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
   template <class Group> Array array() const { return shaped<Group>(view<Group>().now); }
   template <class Group> Array final_array() const { return shaped<Group>(view<Group>().last); }
   OutcomeArrays const& arrays() const { return episodes_.outcome(); }
+  Place place() const { return episodes_.place(); }
   // A place for actions, (num_envs, action_size).
   float* actions() { return episodes_.actions(); }
   // One decision in every environment, whose actions lie in the memory of the device: (num_envs, action_size). Nothing is
@@ -139,7 +140,7 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
   template <class Group, class Element> Array shaped(Element* data) const {
     std::vector<std::int64_t> all{num_envs(), view<Group>().frames};
     all.insert(all.end(), shape<Group>().begin(), shape<Group>().end());
-    return contiguous_array(static_cast<Element const*>(data), all, episodes_.place());
+    return contiguous_array(data, all, place());
   }
   template <class Group> auto const& fetched() const {
     fetch();
