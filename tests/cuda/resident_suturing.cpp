@@ -1,6 +1,8 @@
 // The resident form of the suturing scene, on an emulated device: it gives what the serial back end gives, and the same
 // bits for any order and number of threads.
 // seconds: 15
+#include <mpmpbd/backend/cuda/simulation.cuh>
+
 #include "catch.hpp"
 #include "cuda/fixed_point_noise.hpp"
 #include "cuda/suturing.hpp"

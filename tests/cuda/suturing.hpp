@@ -1,7 +1,7 @@
-// The suturing scene on an emulated device, in a grid that fits into the shared memory of one block.
+// The suturing scene for tests of a device, in a grid that fits into the shared memory of one block.
 #pragma once
 
-#include <mpmpbd/backend/cuda/simulation.cuh>
+#include <mpmpbd/backend/cuda.hpp>
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/catalog/suturing.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>

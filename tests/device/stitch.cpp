@@ -5,22 +5,20 @@
 #include <cmath>
 #include <cstdio>
 
-#include <mpmpbd/backend/cuda.hpp>
 #include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/catalog.hpp>
-#include <mpmpbd/catalog/suturing_hand.hpp>
 
-#include "cuda/compare.hpp"
 #include "cuda/fixed_point_noise.hpp"
+#include "cuda/suturing.hpp"
 
 namespace {
 
 using namespace mpmpbd;
+using test::OnDevice;
 using OnHost = Simulation<Suturing, Threads, float>;
-using OnDevice = Simulation<Suturing, Cuda, float>;
 
 // The needle's tip is in tissue; ten beads have followed the needle.
-constexpr int tip_in_tissue = 400, thread_in_tissue = 2300, steps = 2;
+constexpr int tip_in_tissue = test::steps_to_tissue, thread_in_tissue = 2300, steps = 2;
 
 int passed = 0, failed = 0;
 void check(bool ok, char const* what, double value = 0) {
@@ -28,34 +26,18 @@ void check(bool ok, char const* what, double value = 0) {
   (ok ? passed : failed) += 1;
 }
 
-SuturingConfig config() {
-  SuturingConfig c;
-  c.domain.size = {{2.5, 1.5, 1.5}};
-  c.tissue.corner = {{0.25, 0.25, 0.25}};
-  c.tissue.points = {{24, 12, 12}};
-  return c;
-}
-template <class Run> void drive(Run& run, int first, int count) {
-  auto const c = config();
-  suturing::ScriptedHand const hand{c.script()};
-  double const h = c.time.step;
-  for (int s = first; s < first + count; ++s) {
-    for (std::int64_t env = 0; env < run.environments(); ++env) hand.command(run, env, s * h, h);
-    run.step(h);
-  }
-}
 OnDevice goes_on(OnHost const& from, int first, std::int64_t environments, Cuda where = {}) {
-  OnDevice run(suturing::options(config(), environments), where);
+  OnDevice run(suturing::options(test::config(), environments), where);
   for (std::int64_t env = 0; env < environments; ++env)
     run.state().copy_environment(env, from.state(), 0);
-  drive(run, first, steps);
+  test::drive(run, test::config(), first, steps);
   return run;
 }
 auto const& read(OnDevice const& run) { return run.state(); }
 
 // As for the emulated device, and eight roundings of a position of up to 2 m per step for other arithmetic.
 void compare_with_host(OnDevice const& device, OnHost const& host) {
-  auto const c = config();
+  auto const c = test::config();
   double const v = test::fixed_point_noise(c.domain.cell_size, c.time.step / c.time.substeps,
                                            c.time.substeps * steps);  // [m/s]
   double const x = v * steps * c.time.step + 8 * steps * 0x1p-23;
@@ -89,16 +71,16 @@ void compare_companies(OnDevice const& device, OnHost const& from, int first) {
 
 int main(int argc, char**) {
   bool const brief = argc > 1;
-  OnHost host(suturing::options(config()));
-  suturing::set_up(host, 0, config());
+  OnHost host(suturing::options(test::config()));
+  suturing::set_up(host, 0, test::config());
   int done = 0;
   for (int first : {tip_in_tissue, thread_in_tissue}) {
-    drive(host, done, first - done);
+    test::drive(host, test::config(), done, first - done);
     done = first;
     auto const device = goes_on(host, first, 1);
     if (brief) continue;
     auto const from = host;
-    drive(host, first, steps);
+    test::drive(host, test::config(), first, steps);
     done += steps;
     compare_with_host(device, host);
     compare_companies(device, from, first);
