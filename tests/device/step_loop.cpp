@@ -15,6 +15,7 @@
 #include <mpmpbd/testing/worst.hpp>
 
 #include "cuda/fixed_point_noise.hpp"
+#include "rl/sewn.hpp"
 
 namespace {
 
@@ -128,6 +129,24 @@ void sew(rl::SuturingTaskConfig const& c) {
   check(stitches == 8, "stitches of eight by the expert", stitches);
 }
 
+// Not the thread's tension: at no more than 9 N, a strain of 3e-6, it is made of the rounding of positions in float.
+void compare_stitches(rl::SuturingTaskConfig const& c) {
+  rl::VectorEnvOptions const options{.num_envs = 1, .autoreset = rl::Autoreset::disabled};
+  auto const host = test::sew(OnHost(c, options)), device = test::sew(OnDevice(c, options));
+  check(host.phase == std::int64_t(rl::StitchPhase::finished) && host.events.size() >= 2,
+        "the expert sews on the host", double(host.events.size()));
+  check(device.events == host.events, "on a device with the same events",
+        double(device.events.size()));
+  check(device.phase == host.phase && device.decisions == host.decisions &&
+            device.status == host.status,
+        "in as many decisions, with the same status", device.decisions);
+  check(std::fabs(device.entry_miss - host.entry_miss) < 0.01 * c.reach &&
+            std::fabs(device.exit_miss - host.exit_miss) < 0.01 * c.reach,
+        "and it goes in and out at the same places [m]", device.exit_miss - host.exit_miss);
+  double const off = std::fabs(device.force / host.force - 1.0);
+  check(off < 0.01, "the largest force on the needle is the host's within 1 %", off);
+}
+
 double decisions_per_second(rl::SuturingTaskConfig const& c, std::int64_t environments) {
   OnDevice envs(c, {.num_envs = environments});
   auto const act = actions(envs, 0);
@@ -153,6 +172,7 @@ int main(int argc, char** argv) {
   compare_companies(brief);
   auto const whole = settings(scenes, {});
   sew(whole);
+  compare_stitches(whole);
   for (std::int64_t environments : {1, 132, 1056})
     std::printf("%d environments of %d material points: %.1f decisions/s of %d steps\n",
                 int(environments), int(whole.scene.tissue.point_count()),
