@@ -104,11 +104,10 @@ def environments(rows):
     lines = []
     for row in rows.all(table="environments"):
         ns = float(row["ns"])
-        memory = BYTES / COPY * 1e9 / ns
-        lines.append(
-            (row["environments"], row["substeps"], row["density"], row["contents"], row["form"], time_of(row), f"{ns:.4f}")
-            + ((f"{100 * memory:.0f}", f"{100 * SHARED_PIPE / ns:.0f}", f"{100 * ISSUE / ns:.0f}") if ns < 1 else ("", "", ""))
-        )
+        of = [BYTES / COPY * 1e9, SHARED_PIPE, ISSUE] if ns < 1 and row["form"] == "resident" else []
+        shares = [f"{100 * least / ns:.0f}" for least in of] or [""] * 3
+        known = [row[name] for name in ("environments", "substeps", "density", "contents", "form")]
+        lines.append((*known, time_of(row), f"{ns:.4f}", *shares))
     head = ("environments", "substeps", "density [kg/m^3]", "contents", "form", "ms per step", "ns per particle and substep")
     return table(head + ("of memory [%]", "of shared memory [%]", "of instructions [%]"), lines)
 
@@ -203,7 +202,7 @@ def write(rows, out):
         "## Components\n",
         components(rows),
         "## Environments\n",
-        f"Percentages: of the time that {BYTES} B per particle and substep take at {COPY / 1e12} TB/s; that the fused loop's 108 "
+        f"Percentages, of resident rows: of the time that {BYTES} B per particle and substep take at {COPY / 1e12} TB/s; that the fused loop's 108 "
         f"additions and 27 loads take in shared memory ({SHARED_PIPE} ns\nat best); that its instructions take to be issued ({ISSUE} ns).\n",
         environments(rows),
         "## One larger body\n",
