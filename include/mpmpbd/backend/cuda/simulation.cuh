@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include <mpmpbd/backend/cuda/execution.cuh>
 #include <mpmpbd/backend/cuda/planes.cuh>
@@ -54,11 +56,13 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
           "mpmpbd Cuda: strict = true; a device finds the stable limit inside the step and sets "
           "Fault::time_step. Give strict = false, or substeps = 0, which keeps to the limit");
     int count = 0;
-    if (cudaGetDeviceCount(&count) != cudaSuccess || where.device < 0 || where.device >= count) {
+    auto const e = cudaGetDeviceCount(&count);
+    if (e != cudaSuccess || where.device < 0 || where.device >= count) {
       cudaGetLastError();
       throw std::runtime_error("mpmpbd Cuda: device " + std::to_string(where.device) +
                                " asked for; there are " + std::to_string(count) +
-                               " with a working driver");
+                               " with a working driver" +
+                               (e != cudaSuccess ? std::string(": ") + cudaGetErrorString(e) : ""));
     }
     return where;
   }
@@ -104,8 +108,9 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     return t;
   }
 
-  // All of a store to the device; live counts are few and go through a copy.
+  // All of a store to the device, and back; live counts are few and go through copies.
   void send(Store const& store) {
+    std::vector<std::vector<std::int64_t>> counts;
     Layout::walk(
         store,
         [&]<class F>(F, std::size_t n, std::size_t at) {
@@ -113,14 +118,15 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
           copy(now.as(at), from.data(), n, cudaMemcpyHostToDevice);
         },
         [&]<class D>(std::type_identity<D>, std::size_t n, std::size_t at) {
-          std::vector<std::int64_t> live;
+          auto& live = counts.emplace_back();
           for (std::int64_t e = 0; e < store.environments(); ++e)
             live.push_back(store.template table<D>().live(e));
           copy(now.as(at), live.data(), n, cudaMemcpyHostToDevice);
-          cuda::require(cudaStreamSynchronize(stream), "sending");
         });
+    cuda::require(cudaStreamSynchronize(stream), "sending");
   }
   void fetch(Store& store) const {
+    std::vector<std::vector<std::int64_t>> counts;
     Layout::walk(
         store,
         [&]<class F>(F, std::size_t n, std::size_t at) {
@@ -128,12 +134,16 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
           copy(to.data(), now.as(at), n, cudaMemcpyDeviceToHost);
         },
         [&]<class D>(std::type_identity<D>, std::size_t n, std::size_t at) {
-          std::vector<std::int64_t> live(static_cast<std::size_t>(store.environments()));
+          auto& live = counts.emplace_back(static_cast<std::size_t>(store.environments()));
           copy(live.data(), now.as(at), n, cudaMemcpyDeviceToHost);
-          cuda::require(cudaStreamSynchronize(stream), "fetching");
-          for (std::int64_t e = 0; e < store.environments(); ++e)
-            store.template table<D>().set_live(e, live[static_cast<std::size_t>(e)]);
         });
+    cuda::require(cudaStreamSynchronize(stream), "fetching");
+    auto live = counts.begin();
+    for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D>) {
+      for (std::int64_t e = 0; e < store.environments(); ++e)
+        store.template table<D>().set_live(e, (*live)[static_cast<std::size_t>(e)]);
+      ++live;
+    });
   }
   void copy(void* to, void const* from, std::size_t n, cudaMemcpyKind way) const {
     cuda::copy(stream, to, from, n, way);
