@@ -53,3 +53,30 @@ TEMPLATE_TEST_CASE("what is faster than a cell per substep is slowed down to it 
   CHECK(most < 1.001f * cell);
   CHECK(least > -0.001f * cell);  // nothing turns round
 }
+
+// What the 32-bit sums of a device cannot hold or tell apart is told, in the environment where it is.
+TEST_CASE("masses too far apart and crowded nodes are faults on a device", "[cuda][fixed_point]") {
+  using Run = Simulation<Relaxing, Cuda, float>;
+  auto heavy = made<Run>(2);
+  auto const mass = std::as_const(heavy).state().get<particle::Mass>(0, 3);
+  heavy.state().set<particle::Mass>(0, 3, 99.0f * mass);
+  heavy.step(step);
+  CHECK_FALSE(has(heavy.status(0), Fault::overflow));
+  heavy.state().set<particle::Mass>(0, 3, 101.0f * mass);
+  heavy.step(step);
+  CHECK(has(heavy.status(0), Fault::overflow));
+  CHECK(heavy.status(1) == 0);
+
+  // On a node of quadratic splines, which takes 0.75^3 of a particle there.
+  auto const crowded = [](std::int64_t count) {
+    auto run = made<Run>(2);
+    for (std::int64_t p = 0; p < count; ++p)
+      run.state().set<particle::Position>(0, p, {{float(8 * dx), float(6 * dx), float(5 * dx)}});
+    run.step(step);
+    return run;
+  };
+  CHECK_FALSE(has(crowded(1100).status(0), Fault::overflow));
+  auto const run = crowded(1300);
+  CHECK(has(run.status(0), Fault::overflow));
+  CHECK(run.status(1) == 0);
+}

@@ -1,4 +1,4 @@
-// Every material and effect computes on the device what it computes on the host.
+// Every material, and gravity, damping, viscosity, Prony, pinned regions and walls compute on the device what they compute on the host.
 //
 // A kernel that nvcc silently leaves empty gives zeros here. Host and device round differently (FMA,
 // their own log and exp), so results agree to rounding times the conditioning of F, not to the bit.
