@@ -75,7 +75,9 @@ template <class Envs> std::vector<NamedArray> final_observation_arrays(Envs& env
 // The members of StepOutcome by their names: (num_envs), and (num_envs, terms or metrics) in the order of term_names(),
 // metric_names().
 template <class Envs> std::vector<NamedArray> outcome_arrays(Envs& envs) {
-  auto const [out, place] = detail::outcome_of(envs);
+  auto const placed = detail::outcome_of(envs);
+  OutcomeArrays const& out = placed.arrays;
+  Place const& place = placed.place;
   std::vector<NamedArray> all;
   auto per_env = [&](char const* name, auto* numbers) {
     std::int64_t const shape[] = {envs.num_envs()};
