@@ -49,6 +49,13 @@ inline void copy(cudaStream_t stream, void* to, void const* from, std::size_t by
   if (bytes > 0) require(cudaMemcpyAsync(to, from, bytes, way, stream), "copying");
 }
 
+// Lets each block of a kernel have so many bytes of shared memory on the present device.
+template <class... Args> void reserve_shared(void (*kernel)(Args...), std::int64_t bytes) {
+  require(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                               static_cast<int>(bytes)),
+          "reserving shared memory for a program of this architecture");
+}
+
 // Starts a kernel; `bytes` of shared memory for each of its blocks. What cannot be started throws, and says `what` it
 // was.
 template <class... Args>

@@ -288,10 +288,7 @@ template <class Scene, int most_threads> class ResidentSteps {
 // Not inline, so that `extern template` keeps the kernel to one source.
 template <class Scene, int most_threads>
 void ResidentSteps<Scene, most_threads>::reserve(std::int64_t bytes) {
-  require(
-      cudaFuncSetAttribute(cuda::step<Scene, most_threads>,
-                           cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
-      "reserving shared memory for a program of this architecture");
+  reserve_shared(cuda::step<Scene, most_threads>, bytes);
 }
 template <class Scene, int most_threads>
 void ResidentSteps<Scene, most_threads>::run(Launch<Scene, float> step, int threads,

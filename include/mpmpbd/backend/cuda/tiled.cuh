@@ -296,10 +296,7 @@ template <class Scene, class T> class TiledSteps {
 
 // Not inline, so that `extern template` keeps the kernels to one source.
 template <class Scene, class T> void TiledSteps<Scene, T>::reserve(std::int64_t bytes) {
-  require(
-      cudaFuncSetAttribute(tiled_environment<Scene, T>, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                           static_cast<int>(bytes)),
-      "reserving shared memory for a program of this architecture");
+  reserve_shared(tiled_environment<Scene, T>, bytes);
 }
 template <class Scene, class T>
 void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, std::int64_t processors,
