@@ -15,9 +15,7 @@ enum class Fault : std::uint32_t {
   inversion = 1u << 2,   // a material that needs det F > 0 met det F <= 0
   escape = 1u << 3,      // a particle reached the border of the domain and was held there
   speed = 1u << 4,       // something moved more than one cell in a substep
-  overflow =
-      1u
-      << 5,  // a capacity was exceeded: the item was left out; or numbers too far apart for a device's sums
+  overflow = 1u << 5,    // a capacity was exceeded, or masses are too far apart for a device's sums
   fracture = 1u << 6,  // tissue was stretched so far that its particles part (effect StretchLimit)
   dimple = 1u << 7,    // the tip pressed deeper than 1.5 cells without reaching its threshold
   penetration = 1u << 8,  // a point sank more than half a cell without a puncture
