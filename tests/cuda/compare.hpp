@@ -2,7 +2,8 @@
 #pragma once
 
 #include <cmath>
-#include <cstring>
+#include <string_view>
+#include <vector>
 
 #include <mpmpbd/core/state.hpp>
 #include <mpmpbd/testing/worst.hpp>
@@ -19,21 +20,23 @@ template <class F, class Store> double difference(Store const& a, Store const& b
   return worst.value();
 }
 
+// The bytes of all fields of an environment, component by component.
+template <class Store> std::vector<std::string_view> rows_of(Store const& store, std::int64_t env) {
+  std::vector<std::string_view> rows;
+  mpmpbd::for_each_field(typename Store::List{}, [&]<class F>(F) {
+    auto const& table = store.template table<typename F::Domain>();
+    auto const* const planes = table.template planes<F>().data();
+    for (int c = 0; c < F::components; ++c)
+      rows.emplace_back(reinterpret_cast<char const*>(planes + (c * store.environments() + env) *
+                                                                   table.capacity()),
+                        static_cast<std::size_t>(table.capacity()) * sizeof(*planes));
+  });
+  return rows;
+}
 // Whether environments of two stores hold the same bits in all fields.
 template <class Store>
 bool same_bits(Store const& a, std::int64_t env_a, Store const& b, std::int64_t env_b) {
-  bool same = true;
-  mpmpbd::for_each_field(typename Store::List{}, [&]<class F>(F) {
-    auto const& x = a.template table<typename F::Domain>();
-    auto const& y = b.template table<typename F::Domain>();
-    auto const n = static_cast<std::size_t>(x.capacity());
-    for (int c = 0; c < F::components; ++c) {
-      auto const* p = x.template planes<F>().data() + (c * a.environments() + env_a) * x.capacity();
-      auto const* q = y.template planes<F>().data() + (c * b.environments() + env_b) * y.capacity();
-      same = same && std::memcmp(p, q, n * sizeof(*p)) == 0;
-    }
-  });
-  return same;
+  return rows_of(a, env_a) == rows_of(b, env_b);
 }
 
 }  // namespace test

@@ -12,6 +12,7 @@
 #include <mpmpbd/effects/walls.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/mpm/materials/stable_neo_hookean.hpp>
+#include <mpmpbd/mpm/transfer/flip.hpp>
 #include <mpmpbd/mpm/transfer/tpic.hpp>
 #include <mpmpbd/pbd/rod_builder.hpp>
 #include <mpmpbd/scene/simulation.hpp>
@@ -29,6 +30,7 @@ struct Smooth : Mpm<StableNeoHookean, CubicBSpline, Tpic, WeightGradient> {};
 struct Thread : Pbd<Constraints<Distance, Bend>> {};
 struct LooseThread : Pbd<Constraints<Distance>> {};
 struct Alone : Scene<Smooth, Gravity, Floor> {};
+struct Splashing : Scene<Mpm<NeoHookean, Flip>, Gravity, Floor> {};
 struct Relaxing : Scene<Tissue, Prony<2>, Gravity, Floor> {};
 struct Squeezed : Scene<Tissue, Thread, Coupling<Embedded, Friction, TissuePressure>, Floor> {};
 struct Projected : Scene<Tissue, LooseThread, Coupling<GridProjection, Friction>, Floor> {};
@@ -90,6 +92,7 @@ template <class Run> void set_up(Run& run, std::int64_t env) {
   else
     run.template set<NeoHookean>(env, lame(4e5, 0.4));
   if constexpr (!Scene::has_rods) run.template set<Gravity>(env, {{0.0, 0.0, -9.81}});
+  if constexpr (std::is_same_v<Scene, Splashing>) run.template set<Flip>(env, {0.95});
   if constexpr (std::is_same_v<Scene, Relaxing>)
     run.template set<Prony<2>>(env, {{0.2, 0.1}, {0.01, 0.1}});
   if constexpr (Scene::has_rods) {

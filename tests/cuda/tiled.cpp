@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include <mpmpbd/mpm/transfer/flip.hpp>
-
 #include "catch.hpp"
 #include "cuda/scenes.hpp"
 #include "cuda/suturing.hpp"
@@ -12,8 +10,6 @@
 using namespace test;
 
 namespace {
-
-struct Splashing : Scene<Mpm<NeoHookean, Flip>, Gravity, Floor> {};
 
 constexpr Cuda resident{.execution = Cuda::Execution::resident};
 constexpr Cuda tiled{.execution = Cuda::Execution::tiled};
@@ -254,9 +250,6 @@ TEMPLATE_TEST_CASE("FLIP moves on a device as it does on the host", "[cuda][tile
   auto device = made<Simulation<Splashing, Cuda, TestType>>(2),
        other = made<Simulation<Splashing, Cuda, TestType>>(2, narrow);
   for (auto* run : {&device, &other}) CHECK(run->execution().find("tiled: FLIP") == 0);
-  host.template set<Flip>({0.95});
-  device.template set<Flip>({0.95});
-  other.template set<Flip>({0.95});
   int const steps = 3;
   for (int s = 0; s < steps; ++s) host.step(step), device.step(step), other.step(step);
   double const v = std::sqrt(2.0) * rounding<Splashing>(steps) *
@@ -270,7 +263,6 @@ TEMPLATE_TEST_CASE("FLIP moves on a device as it does on the host", "[cuda][tile
 // Neither grid wraps: a particle brings no more than a cell per substep to both, and FLIP leaves it 0.95 of what is beyond.
 TEST_CASE("FLIP of what is far too fast stays whole on a device", "[cuda][tiled][flip]") {
   auto run = made<Simulation<Splashing, Cuda, float>>(1);
-  run.set<Flip>({0.95});
   auto const cell = float(dx * substeps / step);  // [m/s]
   for (std::int64_t p = 0; p < 20 * 12 * 10; ++p)
     run.state().set<particle::Velocity>(0, p, {{200.0f * cell, 0.0f, 0.0f}});

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include <mpmpbd/mpm/transfer/flip.hpp>
 #include <mpmpbd/mpm/transfer/pic.hpp>
 
 #include "cuda/scenes.hpp"
@@ -14,7 +13,6 @@ namespace {
 
 using namespace test;
 
-struct Splashing : Scene<Mpm<NeoHookean, Flip>, Gravity, Floor> {};
 struct Damped : Scene<Mpm<NeoHookean, Pic>, Gravity, Floor> {};
 
 int passed = 0, failed = 0;
@@ -32,9 +30,6 @@ template <class Scene> void compare(char const* name, double loudness = 1.0) {
   auto device = made<Simulation<Scene, Cuda, float>>(3);
   auto tiled = made<Simulation<Scene, Cuda, float>>(
       3, Cuda{.threads = 128, .execution = Cuda::Execution::tiled});
-  if constexpr (std::is_same_v<Scene, Splashing>)
-    host.template set<Flip>({0.95}), device.template set<Flip>({0.95}),
-        tiled.template set<Flip>({0.95});
   for (int s = 0; s < steps; ++s) host.step(step), device.step(step), tiled.step(step);
   double const rounded = 8 * steps * substeps * 0x1p-24;
   double const v = loudness * (rounding<Scene>(steps) + rounded);
