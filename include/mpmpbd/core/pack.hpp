@@ -45,7 +45,9 @@ template <> struct Pack<float> {
 
   // Eight floats in a row, wherever they start.
   MPMPBD_WIDE static Pack load(float const* from) {
-    return Lanes(*reinterpret_cast<Loose const*>(from));
+    Lanes const eight =
+        *reinterpret_cast<Loose const*>(from);  // a copy: clang would bind a cast to where they lie
+    return eight;
   }
   MPMPBD_WIDE void store(float* to) const { *reinterpret_cast<Loose*>(to) = v; }
 
