@@ -1,5 +1,5 @@
-# Tests whose subject is the compiler: programs that must not compile, and headers that must compile
-# alone.
+# Tests whose subject is the compiler: programs that must not compile, headers that must compile
+# alone, and programs that are not built every time and must go on to compile.
 
 # The include folders of the tests as they stand on a command line: ours, and as system folders those
 # of the libraries. Ours must not be there twice, or their warnings are gone; /usr/include not at all,
@@ -62,6 +62,17 @@ function(mpmpbd_add_fail_tests folder)
       set_tests_properties("fail/${name} ${tag}" PROPERTIES LABELS fail TIMEOUT 120)
     endforeach()
   endforeach()
+endfunction()
+
+# mpmpbd_add_read_test(<program> <source>): the compiler reads what it would need to make the program, with all
+# templates, and makes nothing: a fifth of the time.
+function(mpmpbd_add_read_test program source)
+  set(here "$<TARGET_PROPERTY:${program},INCLUDE_DIRECTORIES>")
+  add_test(NAME "read/${program}"
+    COMMAND "${CMAKE_CXX_COMPILER}" -std=c++20 ${OpenMP_CXX_FLAGS} ${MPMPBD_CXX_WARNINGS} -Werror
+      "$<$<BOOL:${here}>:-I$<JOIN:${here},$<SEMICOLON>-I>>" ${MPMPBD_INCLUDE_FLAGS} -fsyntax-only "${source}"
+    COMMAND_EXPAND_LISTS)
+  set_tests_properties("read/${program}" PROPERTIES LABELS headers TIMEOUT 300)
 endfunction()
 
 # mpmpbd_add_header_tests(<include folder>): every header is all of a translation unit, with our

@@ -143,5 +143,8 @@ else
   ctest --test-dir "$build" -N -L '^long$' | sed -n 's/^ *Test *#[0-9]*: /   /p'
 fi
 
+# The first error that a sanitizer finds ends its run.
+only=()
+[[ -z $sanitizer ]] || only=(--stop-on-failure)
 say "test"
-exec ctest --test-dir "$build" -j "$jobs" -L "^($labels)\$" --output-on-failure --no-tests=error
+exec ctest --test-dir "$build" -j "$jobs" -L "^($labels)\$" --output-on-failure --no-tests=error "${only[@]}"

@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "cuda/fixed_point_noise.hpp"
 #include "cuda/suturing.hpp"
+#include "support/sanitized.hpp"
 
 using namespace test;
 
@@ -63,6 +64,7 @@ TEST_CASE("bits on a device depend on neither the order nor the number of thread
   drive(wide, c, steps_to_tissue, 2);
   for (unsigned seed : {2u, 3u})
     for (int threads : {128, 224}) {
+      if (sanitized && (seed == 2u) == (threads == 128)) continue;
       emulated::seed = seed;
       auto other = device_run(1, {.threads = threads});
       drive(other, c, steps_to_tissue, 2);

@@ -1,5 +1,4 @@
 // The suturing task on an emulated device, beside the host's: what is shown, paid and drawn by lot is the same text.
-// seconds: 5
 #include <cmath>
 
 #include "rl/suturing.hpp"  // before the device, whose words are macros that a TOML reader asks for

@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "cuda/scenes.hpp"
 #include "cuda/suturing.hpp"
+#include "support/sanitized.hpp"
 
 using namespace test;
 
@@ -46,8 +47,9 @@ std::string refusal(SimulationOptions const& o, Cuda where) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("a scene has the same bits in blocks' memory and in the device's",
-                   "[cuda][tiled]", Alone, Relaxing, Squeezed, Projected) {
+using AllScenes = kinds<Projected, Alone, Relaxing, Squeezed>;
+TEMPLATE_LIST_TEST_CASE("a scene has the same bits in blocks' memory and in the device's",
+                        "[cuda][tiled]", AllScenes) {
   using Run = Simulation<TestType, Cuda, float>;
   auto in_blocks = made<Run>(2, resident), on_device = made<Run>(2, tiled),
        other = made<Run>(2, narrow);
@@ -98,8 +100,9 @@ TEST_CASE("how much memory a coupling finds near its block changes no bit", "[cu
 }
 
 // A resident step scatters while it still looks, in the hope that it will be like the one before; one in tiled form never hopes.
-TEMPLATE_TEST_CASE("a step unlike the one before has the bits of one that expects nothing",
-                   "[cuda][tiled][time_step]", Relaxing, Squeezed) {
+using TwoScenes = kinds<Relaxing, Squeezed>;
+TEMPLATE_LIST_TEST_CASE("a step unlike the one before has the bits of one that expects nothing",
+                        "[cuda][tiled][time_step]", TwoScenes) {
   using Run = Simulation<TestType, Cuda, float>;
   auto o = options<TestType>(2);
   o.substeps = 0;
@@ -124,8 +127,9 @@ TEMPLATE_TEST_CASE("a step unlike the one before has the bits of one that expect
 }
 
 // Tissue alone is scattered while it is looked at.
-TEMPLATE_TEST_CASE("a particle set to infinity between two steps loses its environment alone",
-                   "[cuda][tiled][status]", Alone, Squeezed) {
+using LostScenes = kinds<Alone, Squeezed>;
+TEMPLATE_LIST_TEST_CASE("a particle set to infinity between two steps loses its environment alone",
+                        "[cuda][tiled][status]", LostScenes) {
   using Run = Simulation<TestType, Cuda, float>;
   auto in_blocks = made<Run>(3, resident), on_device = made<Run>(3, tiled),
        whole = made<Run>(3, resident);
@@ -183,8 +187,9 @@ TEST_CASE("environments in tiled form do not feel each other", "[cuda][tiled][ba
   CHECK(same_everywhere(in_blocks, on_device));
 }
 
-TEMPLATE_TEST_CASE("a grid that no block holds moves on a device as it does on the host",
-                   "[cuda][tiled]", Alone, Squeezed) {
+using LargeScenes = kinds<Squeezed, Alone>;
+TEMPLATE_LIST_TEST_CASE("a grid that no block holds moves on a device as it does on the host",
+                        "[cuda][tiled]", LargeScenes) {
   auto host = in_large_grid<Simulation<TestType, Serial, float>>();
   auto device = in_large_grid<Simulation<TestType, Cuda, float>>();
   CHECK(device.execution().find("tiled: the grid of an environment takes ") == 0);
@@ -228,8 +233,9 @@ TEST_CASE("sums by way of a tile and straight to the grid have the same bits", "
 // Sums of 64 bits leave a 2^22nd of the roundings. A gradient by slopes weighs those of a stencil's outermost nodes by
 // slope / weight = 3 / f = 12 times as much with cubic splines at a quarter of a cell, where these particles lie; in float
 // such nodes hold less than a count.
-TEMPLATE_TEST_CASE("a scene in double moves on a device as it does on the host",
-                   "[cuda][tiled][double]", Alone, Squeezed) {
+using DoubleScenes = kinds<Squeezed, Alone>;
+TEMPLATE_LIST_TEST_CASE("a scene in double moves on a device as it does on the host",
+                        "[cuda][tiled][double]", DoubleScenes) {
   auto host = made<Simulation<TestType, Serial, double>>(2);
   auto device = made<Simulation<TestType, Cuda, double>>(2);
   CHECK(device.execution().find("tiled: sums of double") == 0);
@@ -244,8 +250,9 @@ TEMPLATE_TEST_CASE("a scene in double moves on a device as it does on the host",
 }
 
 // Particles keep what the grid cannot see, so their roundings stay: two grids' in every substep.
-TEMPLATE_TEST_CASE("FLIP moves on a device as it does on the host", "[cuda][tiled][flip]", float,
-                   double) {
+using Precisions = kinds<float, double>;
+TEMPLATE_LIST_TEST_CASE("FLIP moves on a device as it does on the host", "[cuda][tiled][flip]",
+                        Precisions) {
   auto host = made<Simulation<Splashing, Serial, TestType>>(2);
   auto device = made<Simulation<Splashing, Cuda, TestType>>(2),
        other = made<Simulation<Splashing, Cuda, TestType>>(2, narrow);

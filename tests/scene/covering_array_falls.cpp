@@ -1,5 +1,4 @@
 // The covering array, scenes 1 of 4; see covering_array.py.
-// seconds: 10
 #include "covering_array.hpp"
 
 TEST_CASE("Each pair of policies meets: falls") { covering::check_rows(covering::Rows1{}); }

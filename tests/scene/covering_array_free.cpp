@@ -1,5 +1,4 @@
 // The covering array, scenes 0 of 4; see covering_array.py.
-// seconds: 10
 #include "covering_array.hpp"
 
 #include <set>

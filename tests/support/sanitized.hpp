@@ -2,6 +2,9 @@
 // itself may then do so less often.
 #pragma once
 
+#include <tuple>
+#include <type_traits>
+
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define MPMPBD_SANITIZED
@@ -23,4 +26,8 @@ inline constexpr bool sanitized = false;
 
 // How often this run repeats what is repeated `count` times without a sanitizer.
 constexpr int repeats(int count) { return sanitized ? (count + 9) / 10 : count; }
+
+// Types for TEMPLATE_LIST_TEST_CASE: a sanitizer sees the first alone.
+template <class First, class... Others>
+using kinds = std::conditional_t<sanitized, std::tuple<First>, std::tuple<First, Others...>>;
 }  // namespace test
