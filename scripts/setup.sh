@@ -88,7 +88,7 @@ install_cuda_wheels() {
   "$toolkit/bin/nvcc" -std=c++20 -arch=sm_75 "$cuda_wheels/check.cu" -o "$cuda_wheels/check"
 }
 
-# What reads machine code (6 MB); without it one test is left out.
+# What reads machine code (6 MB).
 install_cuda_reader() {
   rm -rf "$cuda_reader"
   python3 -m venv "$cuda_reader" &&
@@ -130,7 +130,7 @@ if [[ $cuda == yes ]]; then
     say "CUDA compiler: $nvcc ($(nvcc_version "$nvcc"))"
     if is_for ci && [[ -z $(find_cuobjdump) ]] && ! install_cuda_reader; then
       rm -rf "$cuda_reader"
-      say "no cuobjdump: the machine code of kernels is not looked at"
+      die "no cuobjdump from the toolkit or from PyPI: CI looks at the machine code of kernels"
     fi
   else
     say "CUDA compiler: none; the library is built without CUDA"

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Checks what a compiler made of the kernels of a scene, without a GPU.
+"""Checks what a compiler made of the kernels of a library, without a GPU.
 
-Usage: check_kernels.py FILE.ptx NODES
+Usage: check_kernels.py CUOBJDUMP LIBRARY NODES
 
-NODES: those of a stencil, 27 for quadratic splines. Fails when
+LIBRARY: an object or archive that holds PTX; NODES: those of a stencil, 27 for quadratic splines. Fails when
   - a kernel is empty or traps: nvcc has made both of code it did not like, with exit status 0
   - anything adds floating-point numbers atomically: its order would show in the bits
   - in the kernel of a form of execution, the fused pass and the last gather do not load a node's velocity and mass at
@@ -12,6 +12,7 @@ NODES: those of a stencil, 27 for quadratic splines. Fails when
     registers
 """
 import re
+import subprocess
 import sys
 
 FLOAT_ATOMIC = re.compile(r"^\s*(?:@!?%p\d+\s+)?((?:atom|red)\.\S*\.(?:f16|f32|f64|bf16)\S*)", re.M)
@@ -19,15 +20,15 @@ FLOAT_ATOMIC = re.compile(r"^\s*(?:@!?%p\d+\s+)?((?:atom|red)\.\S*\.(?:f16|f32|f
 FORMS = {"step": ("shared", ["shared"]), "tiled_particles": ("global", ["shared", "global"])}
 ADD = r"\b(?:atom|red)\.{}\.add\.(?:u32|s32)"
 QUAD = r"\bld\.{}\.v4\.(?:f32|b32|u32)"
-KERNEL = re.compile(r"^\.visible \.entry (\w+)\((.*?)^\}", re.M | re.S)
-INSTRUCTION = re.compile(r"^\s+(?:@!?%p\d+\s+)?[a-z][a-z0-9_.:]*\s.*;", re.M)
+KERNEL = re.compile(r"^\.visible \.entry (\w+)\((.*?)(?=^\.(?:visible|weak|func|entry|version)|\Z)", re.M | re.S)
+INSTRUCTION = re.compile(r"^\s*(?:@!?%p\d+\s+)?[a-z][a-z0-9_.:]*\s*.*;", re.M)
 
 
 def complaints(text, nodes):
-    kernels = dict(KERNEL.findall(text))
+    kernels = KERNEL.findall(text)  # of every architecture, and of every source that has them
     if not kernels:
         yield "there is no kernel"
-    for name, body in kernels.items():
+    for name, body in kernels:
         count = len(INSTRUCTION.findall(body))
         print(f"{name}: {count} instructions")
         if count < 20:
@@ -38,7 +39,7 @@ def complaints(text, nodes):
         yield f"an atomic floating-point operation: {atomic}"
     passes = 2
     for kernel, (grid, sums) in FORMS.items():
-        bodies = [body for name, body in kernels.items() if f"{len(kernel)}{kernel}I" in name]
+        bodies = [body for name, body in kernels if f"{len(kernel)}{kernel}I" in name]
         if not bodies:
             yield f"there is no kernel {kernel}"
         wanted = [(f"additions of integers in {memory} memory", ADD.format(memory), passes * 4 * nodes) for memory in sums]
@@ -52,8 +53,9 @@ def complaints(text, nodes):
 
 
 def main():
-    with open(sys.argv[1], encoding="utf-8") as file:
-        wrong = list(complaints(file.read(), int(sys.argv[2])))
+    cuobjdump, library, nodes = sys.argv[1], sys.argv[2], int(sys.argv[3])
+    text = subprocess.run([cuobjdump, "-ptx", library], check=True, capture_output=True, text=True).stdout
+    wrong = list(complaints(text, nodes))
     for sentence in wrong:
         print(f"FAIL: {sentence}")
     return 1 if wrong else 0
