@@ -6,6 +6,7 @@
 #include <mpmpbd/backend/cuda/team.cuh>
 
 #include "coupling/random_rig.hpp"
+#include "device/report.hpp"
 
 namespace {
 
@@ -13,12 +14,6 @@ using namespace test;
 using Q = mpmpbd::QuadraticBSpline;
 using Form = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::Drag, true>;
 using Plain = mpmpbd::EmbeddedForm<Q, mpmpbd::NoFriction, mpmpbd::NoDrag, false>;
-
-int passed = 0, failed = 0;
-void check(bool ok, char const* what) {
-  (ok ? passed : failed) += 1;
-  if (!ok) std::printf("FAILED: %s\n", what);
-}
 
 template <class T, class F>
 __global__ void __launch_bounds__(512)
@@ -136,6 +131,5 @@ int main() {
   compare<double, Plain>("double, plain", {}, 1e-9);
   compare<double, Form>("double, friction, drag, bending, needle", {.needle = true, .swage = true},
                         1e-7);
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  return report.end();
 }

@@ -20,10 +20,11 @@
 #include <mpmpbd/mpm/materials/stable_neo_hookean.hpp>
 #include <mpmpbd/mpm/materials/weakly_compressible_fluid.hpp>
 
+#include "device/report.hpp"
+
 using namespace mpmpbd;
 
 namespace {
-int passed = 0, failed = 0;
 
 constexpr int count = 256;  // deformations
 
@@ -164,8 +165,8 @@ template <class T> struct Results {
     }
     // Relative to the largest number of all: some stresses are differences that nearly cancel.
     ok = ok && size > 0 && worst <= 1000 * double(epsilon<T>) * size;
-    (ok ? passed : failed) += 1;
-    std::printf("%s  %-40s %-6s  %.2g of %.2g\n", ok ? "pass" : "FAIL", name,
+    test::report.count(ok);
+    std::printf("%s  %-40s %-6s  %.2g of %.2g\n", test::word(ok), name,
                 sizeof(T) == 4 ? "float" : "double", worst, size);
   }
 };
@@ -180,9 +181,8 @@ int main() {
   static Results<double> doubles;
   on_device<<<places, count>>>(cases<float>(), singles.memory, cases<double>(), doubles.memory);
   bool const launched = cudaGetLastError() == cudaSuccess;
-  (launched ? passed : failed) += 1;
+  test::report.count(launched);
   compare_all(singles);
   compare_all(doubles);
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  return test::report.end();
 }

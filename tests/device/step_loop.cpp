@@ -15,20 +15,16 @@
 #include <mpmpbd/testing/worst.hpp>
 
 #include "cuda/fixed_point_noise.hpp"
+#include "device/report.hpp"
 #include "rl/sewn.hpp"
 
 namespace {
 
 using namespace mpmpbd;
 using rl::SuturingTask;
+using test::check;
 using OnHost = rl::VectorEnv<SuturingTask, Threads>;
 using OnDevice = rl::VectorEnv<SuturingTask, Cuda>;
-
-int passed = 0, failed = 0;
-void check(bool ok, char const* what, double value = 0) {
-  std::printf("%s: %s (%.3g)\n", ok ? "pass" : "FAIL", what, value);
-  (ok ? passed : failed) += 1;
-}
 
 rl::SuturingTaskConfig settings(io::Path const& scenes, std::vector<std::string> const& more) {
   return io::read_config<rl::SuturingTaskConfig>(
@@ -177,6 +173,5 @@ int main(int argc, char** argv) {
     std::printf("%d environments of %d material points: %.1f decisions/s of %d steps\n",
                 int(environments), int(whole.scene.tissue.point_count()),
                 decisions_per_second(whole, environments), whole.episode.decision_interval);
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  return test::report.end();
 }

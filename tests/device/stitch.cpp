@@ -10,21 +10,17 @@
 
 #include "cuda/fixed_point_noise.hpp"
 #include "cuda/suturing.hpp"
+#include "device/report.hpp"
 
 namespace {
 
 using namespace mpmpbd;
+using test::check;
 using test::OnDevice;
 using OnHost = Simulation<Suturing, Threads, float>;
 
 // The needle's tip is in tissue; ten beads have followed the needle.
 constexpr int tip_in_tissue = test::steps_to_tissue, thread_in_tissue = 2300, steps = 2;
-
-int passed = 0, failed = 0;
-void check(bool ok, char const* what, double value = 0) {
-  std::printf("%s: %s (%.3g)\n", ok ? "pass" : "FAIL", what, value);
-  (ok ? passed : failed) += 1;
-}
 
 OnDevice goes_on(OnHost const& from, int first, std::int64_t environments, Cuda where = {}) {
   OnDevice run(suturing::options(test::config(), environments), where);
@@ -85,6 +81,5 @@ int main(int argc, char**) {
     compare_with_host(device, host);
     compare_companies(device, from, first);
   }
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  return test::report.end();
 }

@@ -11,6 +11,7 @@
 
 #include "cuda/compare.hpp"
 #include "cuda/threads.hpp"
+#include "device/report.hpp"
 
 namespace {
 
@@ -18,12 +19,6 @@ using namespace test;
 using Scene_ = catalog::Suture;
 using OnHost = Simulation<Scene_, Serial, float>;
 using OnDevice = Simulation<Scene_, Cuda, float>;
-
-int passed = 0, failed = 0;
-void check(bool ok, char const* what, double value = 0) {
-  std::printf("%s: %s (%.3g)\n", ok ? "pass" : "FAIL", what, value);
-  (ok ? passed : failed) += 1;
-}
 
 auto const& read(OnDevice const& run) { return run.state(); }
 auto const& read(OnHost const& run) { return run.state(); }
@@ -102,6 +97,5 @@ int main() {
   compare_with_host();
   compare_companies();
   compare_with_catenary();
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  return report.end();
 }

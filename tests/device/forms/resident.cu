@@ -19,10 +19,12 @@
 
 #include "cuda/compare.hpp"
 #include "cuda/fixed_point_noise.hpp"
+#include "device/report.hpp"
 
 namespace {
 
 using namespace mpmpbd;
+using test::check;
 using test::difference;
 using test::same_bits;
 
@@ -98,12 +100,6 @@ auto make_run(std::int64_t environments, Backend where = {}) {
 }
 
 template <class Run> auto const& read(Run const& run) { return run.state(); }
-
-int passed = 0, failed = 0;
-void check(bool ok, char const* scene, char const* what, double value = 0) {
-  std::printf("%s: %s: %s (%.3g)\n", ok ? "pass" : "FAIL", scene, what, value);
-  (ok ? passed : failed) += 1;
-}
 
 template <class Scene> void compare(char const* name) {
   auto serial = make_run<Scene, Serial>(3);
@@ -197,6 +193,5 @@ int main(int argc, char**) {
                   int(environments), beads,
                   ns_per_particle_substep<Threaded, double>(environments, Cuda::Execution::tiled));
   }
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  return test::report.end();
 }

@@ -8,6 +8,7 @@
 #include <mpmpbd/mpm/transfer/pic.hpp>
 
 #include "cuda/scenes.hpp"
+#include "device/report.hpp"
 
 namespace {
 
@@ -15,11 +16,6 @@ using namespace test;
 
 struct Damped : Scene<Mpm<NeoHookean, Pic>, Gravity, Floor> {};
 
-int passed = 0, failed = 0;
-void check(bool ok, char const* scene, char const* what, double value = 0) {
-  std::printf("%s: %s: %s (%.3g)\n", ok ? "pass" : "FAIL", scene, what, value);
-  (ok ? passed : failed) += 1;
-}
 template <class Run> auto const& read(Run const& run) { return run.state(); }
 
 // Fixed point, and eight roundings of a velocity of up to 1 m/s and of a position of up to 1 m per substep for other
@@ -59,6 +55,5 @@ int main() {
   compare<Relaxing>("Prony");
   compare<Squeezed>("tissue that squeezes a thread");
   compare<Projected>("GridProjection");
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  return report.end();
 }

@@ -4,6 +4,7 @@
 
 #include "cuda/compare.hpp"
 #include "cuda/threads.hpp"
+#include "device/report.hpp"
 
 #include <mpmpbd/backend/cuda/simulation.cuh>
 
@@ -11,11 +12,6 @@ namespace {
 
 using namespace test;
 
-int passed = 0, failed = 0;
-void check(bool ok, char const* scene, char const* what, double value) {
-  std::printf("%s: %s: %s (%.3g)\n", ok ? "pass" : "FAIL", scene, what, value);
-  (ok ? passed : failed) += 1;
-}
 template <class Run> auto const& read(Run const& run) { return run.state(); }
 
 template <class Scene> void compare(char const* scene) {
@@ -39,6 +35,5 @@ int main() {
   compare<Swept>("Gauss-Seidel");
   compare<Averaged>("Jacobi");
   compare<Framed>("frames");
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  return report.end();
 }

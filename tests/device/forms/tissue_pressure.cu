@@ -14,9 +14,12 @@
 #include <mpmpbd/pbd/rod_builder.hpp>
 #include <mpmpbd/scene/simulation.hpp>
 
+#include "device/report.hpp"
+
 namespace {
 
 using namespace mpmpbd;
+using test::check;
 
 struct Tissue : Mpm<NeoHookean> {};
 struct Thread : Pbd<Constraints<Distance>> {};
@@ -61,11 +64,6 @@ template <class Backend> auto make_run(double stretch, Backend where = {}) {
 }  // namespace
 
 int main() {
-  int passed = 0, failed = 0;
-  auto check = [&](bool ok, char const* what, double value) {
-    std::printf("%s: %s (%.3g)\n", ok ? "pass" : "FAIL", what, value);
-    (ok ? passed : failed) += 1;
-  };
   auto serial = make_run<Serial>(0.975), loose = make_run<Serial>(1.0);
   auto device = make_run<Cuda>(0.975), narrow = make_run<Cuda>(0.975, Cuda{0, nullptr, 128});
   serial.step(step), loose.step(step), device.step(step), narrow.step(step);
@@ -84,7 +82,6 @@ int main() {
   check(slowed > 0.03 && slowed < 0.25, "the squeeze slows the sliding thread on the host [m/s]",
         slowed);
   check(worst < 0.02 * slowed, "and on the device as much [m/s]", worst);
-  check(same, "512 and 128 threads give the same bits", 0);
-  std::printf("%d passed, %d failed\n", passed, failed);
-  return failed == 0 ? 0 : 1;
+  check(same, "512 and 128 threads give the same bits");
+  return test::report.end();
 }
