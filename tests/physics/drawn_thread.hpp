@@ -49,8 +49,8 @@ struct DrawnScene : Scene<Gel, Rods_, Coupling<Embedded, Friction>, Damping, Wal
 using Stiff = Pbd<Constraints<Distance, Bend>>;
 using Limp = Pbd<Constraints<Distance>>;
 
-template <class Rods_> struct DrawnThread {
-  using Run = Simulation<DrawnScene<Rods_>, Serial, double>;
+template <class Rods_, class Backend = Serial, class T = double> struct DrawnThread {
+  using Run = Simulation<DrawnScene<Rods_>, Backend, T>;
   // A particle near the track, and which way the track goes there.
   struct Tracer {
     std::int64_t particle;
@@ -64,14 +64,14 @@ template <class Rods_> struct DrawnThread {
   double time = 0, work = 0;  // [gel times]; of the moved end and of the load, since the start [J]
   double moved = 0;           // of the first end, outwards [cells]
 
-  explicit DrawnThread(DrawnCase const& c_)
+  explicit DrawnThread(DrawnCase const& c_, Backend where = {})
       : c(c_),
         beads(1 + static_cast<int>(
                       std::lround((c.track.embedded() + 2 * c.track.outside) / c.segment))),
-        run(make(c, beads)) {
+        run(make(c, beads, where)) {
     for (std::int64_t p = 0; p < c.block.particles(); ++p) trace(p);
   }
-  static Run make(DrawnCase c, int beads) {
+  static Run make(DrawnCase c, int beads, Backend where) {
     std::vector<Vec3<double>> line;
     for (int k = 0; k < beads; ++k)
       line.push_back(gel_cell * c.track.at(c.segment * k - c.track.outside));
@@ -81,23 +81,26 @@ template <class Rods_> struct DrawnThread {
     capacity.push_back({ContactPoints::name.view(), beads});
     c.block.substeps = 1;
     c.block.damping = 0.1 / gel_time();
-    Run run(c.block.options(capacity));
+    Run run(c.block.options(capacity), where);
     c.block.fill(run);
     run.template set<Embedded>({c.thread.radius});
     run.template set<Friction>({c.friction, c.clamp * modulus()});
     rod.write(run.state(), 0);
     run.state().template table<ContactPoints>().set_live(0, beads);
-    run.state().template set<bead::InverseMass>(0, 0, 0.0);  // it moves as it is told
+    run.state().template set<bead::InverseMass>(0, 0, T(0));  // it moves as it is told
     return run;
   }
   static double modulus() { return lame(gel_modulus, gel_poisson).mu; }
   static double force() { return modulus() * gel_cell * gel_cell; }  // unit of tensions [N]
 
   Vec3<double> particle(std::int64_t p) const {
-    return 1 / gel_cell * run.state().template get<particle::Position>(0, p);
+    return 1 / gel_cell * cast<double>(run.state().template get<particle::Position>(0, p));
   }
   Vec3<double> bead(int k) const {
-    return 1 / gel_cell * run.state().template get<bead::Position>(0, k);
+    return 1 / gel_cell * cast<double>(run.state().template get<bead::Position>(0, k));
+  }
+  Vec3<double> velocity(int k) const {
+    return cast<double>(run.state().template get<bead::Velocity>(0, k));
   }
   // Half a cell from the track at most, and a cell inside.
   void trace(std::int64_t p) {
@@ -120,22 +123,25 @@ template <class Rods_> struct DrawnThread {
     return 1.0 / double(c.block.particles()) * sum;
   }
   // In units of force().
-  double pulled() const { return run.state().template get<bead::Tension>(0, 0) / force(); }
-  double held() const { return run.state().template get<bead::Tension>(0, beads - 2) / force(); }
+  double pulled() const { return tension(0); }
+  double held() const { return tension(beads - 2); }
+  double tension(int segment) const {
+    return double(run.state().template get<bead::Tension>(0, segment)) / force();
+  }
 
   // One step; the first end moves outwards at a speed, in shear waves. The load has grown after 40 gel times.
   void step(double speed) {
     double const dt = c.step * gel_time(), load = c.tension * force() * std::min(1.0, time / 40);
     auto& s = run.state();
     auto const end = c.track.along(c.track.embedded() + 0.5 * c.track.outside);
-    auto const v = s.template get<bead::Velocity>(0, beads - 1);
-    double const inverse = s.template get<bead::InverseMass>(0, beads - 1);
-    s.template set<bead::Velocity>(0, beads - 1, v + load * dt * inverse * end);
+    auto const v = velocity(beads - 1);
+    double const inverse = double(s.template get<bead::InverseMass>(0, beads - 1));
+    s.template set<bead::Velocity>(0, beads - 1, cast<T>(v + load * dt * inverse * end));
     s.template set<bead::Velocity>(
-        0, 0, -speed * gel_shear_speed() * c.track.along(-0.5 * c.track.outside));
+        0, 0, cast<T>(-speed * gel_shear_speed() * c.track.along(-0.5 * c.track.outside)));
     run.step(dt);
     work += pulled() * force() * speed * gel_shear_speed() * dt +
-            load * dt * dot(s.template get<bead::Velocity>(0, beads - 1), end);
+            load * dt * dot(velocity(beads - 1), end);
     time += c.step;
     moved += speed * c.step;
   }
@@ -150,8 +156,8 @@ template <class Rods_> struct DrawnThread {
     double e = gel_energy(run, 0);
     double const l = c.segment * gel_cell;
     for (int k = 0; k < beads; ++k) {
-      double const inverse = s.template get<bead::InverseMass>(0, k);
-      auto const v = s.template get<bead::Velocity>(0, k);
+      double const inverse = double(s.template get<bead::InverseMass>(0, k));
+      auto const v = velocity(k);
       if (inverse > 0) e += 0.5 / inverse * dot(v, v);
       if (k == 0) continue;
       auto const stretch = gel_cell * norm(bead(k) - bead(k - 1)) - l;

@@ -1,7 +1,7 @@
 // A2.6: an elastic disc spins in free flight for one revolution, eight cells in its radius; sixteen with PIC, whose
 // loss is known, and, in mpm_spinning_disc_long.cpp, with FLIP.
 // seconds: 60
-#include "physics/spinning_disc.hpp"
+#include "physics/spinning_disc_checks.hpp"
 
 using namespace test;
 

@@ -9,11 +9,12 @@ namespace test {
 template <class... Laws>
 struct NeedleInGel : Scene<Gel, ArcNeedle, Coupling<Embedded, Laws...>, Damping, Walls<Sticky>> {};
 
-template <class S, class T>
-Simulation<S, Serial, T> gel_scene(GelBlock const& block, Arc<double> const& arc) {
+template <class S, class T, class Backend = Serial>
+Simulation<S, Backend, T> gel_scene(GelBlock const& block, Arc<double> const& arc,
+                                    Backend where = {}) {
   int const contacts = contact_points(ArcPoints<double>::over(arc, gel_cell));
-  Simulation<S, Serial, T> run(
-      block.options({{Needles::name.view(), 1}, {ContactPoints::name.view(), contacts}}));
+  Simulation<S, Backend, T> run(
+      block.options({{Needles::name.view(), 1}, {ContactPoints::name.view(), contacts}}), where);
   block.fill(run);
   if constexpr (!S::Needle::is_dynamic)
     run.template set<ArcNeedle>({arc.radius, arc.angle, arc.wire_radius, arc.taper, 0.0, 0.0});

@@ -10,8 +10,6 @@
 #include <mpmpbd/scene/simulation.hpp>
 #include <mpmpbd/scene/totals.hpp>
 
-#include "catch.hpp"
-
 namespace test {
 
 using namespace mpmpbd;
@@ -22,17 +20,18 @@ inline constexpr double omega = 2.0 * pi<double>;  // [rad/s]
 
 template <class Body> struct Flight : Scene<Body> {};
 
-template <class Body, int cells_per_radius> class Disc {
+template <class Body, int cells_per_radius, class Backend = Serial, class T = double> class Disc {
  public:
   using Transfer = typename Body::Transfer;
   static constexpr double dx = radius / cells_per_radius;
 
-  Disc()
+  explicit Disc(Backend where = {})
       : run_({.environments = 1,
               .cell_size = dx,
               .nodes = {2 * cells_per_radius + 9, 2 * cells_per_radius + 9, 8},
               .capacity = {{"particle", 16 * (cells_per_radius + 1) * (cells_per_radius + 1) * 2}},
-              .substeps = 1}) {
+              .substeps = 1},
+             where) {
     run_.template set<FixedCorotated>(lame(young, poisson));
     if constexpr (std::is_same_v<Transfer, Flip>) run_.template set<Flip>({1.0});
     std::vector<Vec3<double>> at;
@@ -47,10 +46,10 @@ template <class Body, int cells_per_radius> class Disc {
     count_ = static_cast<std::int64_t>(at.size());
     auto& state = run_.state();
     for (std::int64_t p = 0; p < count_; ++p) {
-      auto const r = arm(state.template get<particle::Position>(0, p));
-      state.template set<particle::Velocity>(0, p, cross(vec(0.0, 0.0, omega), r));
+      auto const r = arm(cast<double>(state.template get<particle::Position>(0, p)));
+      state.template set<particle::Velocity>(0, p, cast<T>(cross(vec(0.0, 0.0, omega), r)));
       if constexpr (Transfer::carries_affine)
-        state.template set<particle::Affine>(0, p, skew(vec(0.0, 0.0, omega)));
+        state.template set<particle::Affine>(0, p, cast<T>(skew(vec(0.0, 0.0, omega))));
     }
   }
 
@@ -100,11 +99,11 @@ template <class Body, int cells_per_radius> class Disc {
     auto const& s = run_.state();
     for (std::int64_t p = 0; p < count_; ++p)
       f(Point{p, s.template get<particle::Mass>(0, p),
-              arm(s.template get<particle::Position>(0, p)),
-              s.template get<particle::Velocity>(0, p)});
+              arm(cast<double>(s.template get<particle::Position>(0, p))),
+              cast<double>(s.template get<particle::Velocity>(0, p))});
   }
 
-  Simulation<Flight<Body>, Serial, double> run_;
+  Simulation<Flight<Body>, Backend, T> run_;
   std::int64_t count_ = 0;
 };
 
@@ -118,8 +117,7 @@ struct Outcome {
   std::uint32_t status;
 };
 
-template <int cells_per_radius, class... Policies> Outcome fly(double revolutions = 1.0) {
-  Disc<Mpm<FixedCorotated, Policies...>, cells_per_radius> disc;
+template <class Disc_> Outcome spin(Disc_ disc, double revolutions) {
   auto const start = disc.totals();
   double const spin = disc.spin(start), speeds = disc.speeds();
   Outcome o{};
@@ -133,11 +131,6 @@ template <int cells_per_radius, class... Policies> Outcome fly(double revolution
   o.lost = 1.0 - (end.kinetic + end.strain) / start.kinetic;
   o.momentum = norm(end.momentum) / speeds;
   o.status = disc.status();
-  UNSCOPED_INFO("spin - 1 = " << o.spin - 1.0 << ", after 100 steps " << o.spin_100 << " (PIC "
-                              << o.pic << "), kinetic " << o.kinetic << ", lost " << o.lost
-                              << ", momentum " << o.momentum);
-  CHECK(o.momentum < 1e-12);
-  CHECK(o.status == 0);
   return o;
 }
 

@@ -1,7 +1,6 @@
 // A limp thread round half a turn or a full one in gel, 16 segments to an angle of pi, drawn out at one end.
 #pragma once
 
-#include "catch.hpp"
 #include "physics/drawn_thread.hpp"
 
 namespace test {
@@ -46,14 +45,15 @@ struct Wound {
   std::uint32_t status = 0;
 };
 
-template <class Rods> double turning(DrawnThread<Rods> const& t) {
+template <class Thread> double turning(Thread const& t) {
   double sum = 0;
   for (int k = 1; k + 1 < t.beads; ++k) sum += t.joint(k);
   return sum;
 }
 
-inline Wound draw_round(DrawnCase const& c, double speed) {
-  DrawnThread<Limp> t(c);
+template <class T = double, class Backend = Serial>
+Wound draw_round(DrawnCase const& c, double speed, Backend where = {}) {
+  DrawnThread<Limp, Backend, T> t(c, where);
   Wound w{.track = turning(t)};
   t.settle();
   double pulled = 0, held = 0;
