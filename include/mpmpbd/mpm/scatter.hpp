@@ -97,9 +97,9 @@ template <class Body> struct Scatter {
   using Writes = Fields<>;
 
   // Adds one particle (or a pack of them, one after the other) to the grid: `grid.window(node).row(j, k)` is
-  // a row along x from there, and `row.add(n, quad)` adds to its n-th node: floating point on the host, fixed
-  // point in a kernel, whose grid says what one of its counts is (in_counts). `add_previous` adds the same without the
-  // impulse of the forces, for transfers that ask. With `driven`, particles have an Acceleration. Returns Fault::speed
+  // a row along x from there, and `row.add(n, quad)` adds to its n-th node. `add_previous` adds the same without the impulse of
+  // the forces, for transfers that ask. A kernel adds in fixed point: its grid says what one of its counts is (in_counts) and
+  // rounds what the nodes get, one after the other (shares). With `driven`, particles have an Acceleration. Returns Fault::speed
   // where sums of counts hold no more than what a particle brings at a cell per substep, and it was slowed down to that.
   template <bool driven = false, class P, class Grid, class S>
   MPMPBD_INLINE static std::uint32_t run(P const& p, Grid const& grid, Lattice<S> const& lattice,
@@ -114,14 +114,12 @@ template <class Body> struct Scatter {
       impulse_to_each(T(-dt * lattice.inverse_dx) * p[particle::Volume{}], p[particle::Stress{}],
                       carried);
     if constexpr (requires { grid.in_counts(carried[0].value); }) faults |= count(carried[0], grid);
-    for (int l = 0; l < lanes<T>; ++l)
-      add<false>(grid, s.of_lane(l).base, w.of_lane(l), carried[l]);
+    for (int l = 0; l < lanes<T>; ++l) add<false>(grid, s.of_lane(l), w.of_lane(l), carried[l]);
     if constexpr (Transfer::needs_previous_grid) {
       detail::LaneMomentum<S> before[lanes<T>]{};
       to_each(momentum<false, false>(p, s, lattice, dt), before);
       if constexpr (requires { grid.in_counts(before[0].value); }) faults |= count(before[0], grid);
-      for (int l = 0; l < lanes<T>; ++l)
-        add<true>(grid, s.of_lane(l).base, w.of_lane(l), before[l]);
+      for (int l = 0; l < lanes<T>; ++l) add<true>(grid, s.of_lane(l), w.of_lane(l), before[l]);
     }
     return faults;
   }
@@ -189,18 +187,38 @@ template <class Body> struct Scatter {
 
   // Adds one particle to its nodes.
   template <bool previous, class Grid, class S>
-  MPMPBD_INLINE static void add(Grid const& grid, int const (&base)[3], Weights<S> const& w,
+  MPMPBD_INLINE static void add(Grid const& grid, Stencil<S, Shape> const& s, Weights<S> const& w,
                                 detail::LaneMomentum<S> const& q) {
-    auto const window = grid.window(base);
-    for_columns<Grid, S, Shape::width>([&](auto nodes, int i) MPMPBD_ALWAYS_INLINE {
-      add_columns<decltype(nodes), previous>(window, w, q, i);
-    });
+    auto const window = grid.window(s.base);
+    auto const to_nodes = [&](auto const& put) MPMPBD_ALWAYS_INLINE {
+      for_columns<Grid, S, Shape::width>([&](auto nodes, int i) MPMPBD_ALWAYS_INLINE {
+        add_columns<decltype(nodes), previous>(window, w, q, i, put);
+      });
+    };
+    if constexpr (requires { grid.shares(); }) {
+      auto shares = grid.shares();
+      to_nodes([&shares](auto const& row, int i, auto const& share) MPMPBD_ALWAYS_INLINE {
+        if constexpr (previous) {
+          row.add_previous_counts(i, shares.next(share));
+        } else {
+          row.add_mass(i, share);
+          row.add_counts(i, shares.next(share));
+        }
+      });
+    } else {
+      to_nodes([](auto const& row, int i, auto const& share) MPMPBD_ALWAYS_INLINE {
+        if constexpr (previous)
+          row.add_previous(i, share);
+        else
+          row.add(i, share);
+      });
+    }
   }
   // w_i w_j w_k (value + gradient d) to the nodes of some columns, the products of weights taken plane by
   // plane and row by row.
-  template <class N, bool previous, class Nodes, class S>
+  template <class N, bool previous, class Nodes, class S, class Put>
   MPMPBD_INLINE static void add_columns(Nodes const& nodes, Weights<S> const& w,
-                                        detail::LaneMomentum<S> const& q, int i) {
+                                        detail::LaneMomentum<S> const& q, int i, Put const& put) {
     using V = typename N::Values;
     constexpr bool slopes = !previous && !Form::uses_moment;
     auto const w_x = N::each(w.x.weight + i);
@@ -220,10 +238,7 @@ template <class Body> struct Scatter {
         if (j > 0) row = add_product(row, w.z.weight[k], along_y);
         V sum = w.y.weight[j] * row;
         if constexpr (slopes) sum = add_product(sum, w.y.slope[j], w.z.weight[k] * across_y);
-        if constexpr (previous)
-          nodes.row(j, k).add_previous(i, sum);
-        else
-          nodes.row(j, k).add(i, sum);
+        put(nodes.row(j, k), i, sum);
       }
     }
   }

@@ -252,6 +252,7 @@ inline unsigned __ballot_sync(unsigned, bool value) {
 }
 inline int __popc(unsigned bits) { return std::popcount(bits); }
 inline int __float_as_int(float a) { return std::bit_cast<int>(a); }
+inline float __int_as_float(int a) { return std::bit_cast<float>(a); }
 // Saturates, and makes 0 of NaN, as the instruction does.
 inline int __float2int_rn(float a) {
   if (!(a == a)) return 0;

@@ -29,6 +29,10 @@ template <> struct NumbersOf<float> {
     constexpr int bits_of_whole = 0x4b400000;
     return __float_as_int(a + whole) - bits_of_whole;
   }
+  // The same but for a number that differences do not have.
+  __device__ __forceinline__ static Integer bits(float a) {
+    return __float_as_int(a + 3.0f * scale);
+  }
 };
 template <> struct NumbersOf<double> {
   struct alignas(32) Four {
@@ -38,6 +42,7 @@ template <> struct NumbersOf<double> {
   using Unsigned = unsigned long long;
   static constexpr double scale = 17592186044416.0;  // 2^44
   __device__ __forceinline__ static Integer nearest(double a) { return __double2ll_rn(a); }
+  __device__ __forceinline__ static Integer bits(double a) { return nearest(a); }
 };
 
 // Adds unsigned: a lost environment's sum wraps, and no other atomic sum has 64 bits. The bits are those of a signed sum.
@@ -110,6 +115,47 @@ template <class T> struct Arena {
   }
 };
 
+// Momentum in whole counts.
+template <class T> struct Counts { typename NumbersOf<T>::Integer x, y, z; };
+
+// What the nodes of a particle get of its momentum, one after the other, in whole counts: the running sum of its shares is
+// rounded, not each share. Small shares are the most frequent, and more of them would be rounded down than up: what moves would
+// come to rest. From a start drawn by lot, every node gets its share in the mean, however small (systematic sampling).
+template <class T> struct Shares {
+  using Numbers = NumbersOf<T>;
+  using Integer = typename Numbers::Integer;
+  T sum[3];
+  Integer given[3];
+
+  // `start` in [-1/2, 1/2): nothing has been given.
+  __device__ __forceinline__ static Shares from(T start) {
+    Integer const none = Numbers::bits(T(0));
+    return {{start, start, start}, {none, none, none}};
+  }
+  __device__ __forceinline__ Counts<T> next(Quad<T> const& share) {
+    return {next(0, share[0]), next(1, share[1]), next(2, share[2])};
+  }
+
+ private:
+  __device__ __forceinline__ Integer next(int a, T share) {
+    sum[a] += share;
+    Integer const now = Numbers::bits(sum[a]), more = now - given[a];
+    given[a] = now;
+    return more;
+  }
+};
+// Drawn by lot from where a particle is and the number of a substep, in [-1/2, 1/2).
+template <class T> __device__ __forceinline__ T start_of(Vec3<T> const& x, std::int64_t step) {
+  auto const bits = [&](int a) {
+    return static_cast<unsigned>(__float_as_int(static_cast<float>(x[a])));
+  };
+  unsigned h = bits(0) * 0x9e3779b1u ^ bits(1) * 0x85ebca77u ^ bits(2) * 0xc2b2ae3du ^
+               static_cast<unsigned>(step) * 0x27d4eb2fu;
+  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+  h = (h ^ (h >> 13)) * 0x297a2d39u;
+  return __int_as_float(static_cast<int>(0x3f800000u | (h >> 9))) - 1.5f;
+}
+
 // A pointer to each plane: an address is then one addition to what the stencil knows.
 template <class T> struct FixedRow {
   using Integer = typename NumbersOf<T>::Integer;
@@ -117,25 +163,20 @@ template <class T> struct FixedRow {
   __device__ __forceinline__ FixedRow operator+(int n) const {
     return {x + n, y + n, z + n, mass + n};
   }
-  __device__ __forceinline__ void add(int n, Quad<T> const& counts) const {
-    add_momentum(n, counts);
-    add_to(mass + n, counts[3]);
+  __device__ __forceinline__ void add_mass(int n, Quad<T> const& q) const {
+    cuda::add_counts<T>(mass + n, NumbersOf<T>::nearest(q[3]));
   }
-  __device__ __forceinline__ void add_momentum(int n, Quad<T> const& counts) const {
-    add_to(x + n, counts[0]);
-    add_to(y + n, counts[1]);
-    add_to(z + n, counts[2]);
-  }
-
- private:
-  __device__ __forceinline__ static void add_to(Integer* sum, T counts) {
-    add_counts<T>(sum, NumbersOf<T>::nearest(counts));
+  __device__ __forceinline__ void add_counts(int n, Counts<T> const& c) const {
+    cuda::add_counts<T>(x + n, c.x);
+    cuda::add_counts<T>(y + n, c.y);
+    cuda::add_counts<T>(z + n, c.z);
   }
 };
 template <class T> struct SumsOfArena {
   Arena<T> arena;
   Lattice<T> lattice;
   FixedPoint<T> unit;
+  T start;  // of running sums
   // Momentum at a cell per substep counts as much as mass: with no more than most_masses at a node the sums hold it.
   __device__ __forceinline__ Quad<T> in_counts(Quad<T> const& q) const {
     return quad(q[0] * unit.momentum, q[1] * unit.momentum, q[2] * unit.momentum, q[3] * unit.mass);
@@ -144,6 +185,7 @@ template <class T> struct SumsOfArena {
   __device__ __forceinline__ Change in_counts(Change const& momentum) const {
     return unit.momentum * momentum;
   }
+  __device__ __forceinline__ Shares<T> shares() const { return Shares<T>::from(start); }
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
     auto* const first = arena.sums + static_cast<int>(lattice.index(at[0], at[1], at[2]));
     int const plane = arena.count;

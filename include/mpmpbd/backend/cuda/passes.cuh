@@ -106,11 +106,11 @@ template <class Scene, class T> struct ParticlePasses {
 
  private:
   static constexpr bool looks_back = Body::Transfer::needs_previous_grid;
-  __device__ __forceinline__ auto sums() const {
+  __device__ __forceinline__ auto sums(T start) const {
     if constexpr (looks_back)
-      return SumsOfBoth<T>{{arena, launch.lattice, unit}, before};
+      return SumsOfBoth<T>{{arena, launch.lattice, unit, start}, before};
     else
-      return SumsOfArena<T>{arena, launch.lattice, unit};
+      return SumsOfArena<T>{arena, launch.lattice, unit, start};
   }
   __device__ __forceinline__ auto velocities() const {
     if constexpr (looks_back)
@@ -120,7 +120,8 @@ template <class Scene, class T> struct ParticlePasses {
   }
   template <class P, class To>
   __device__ __forceinline__ void add(P& p, Ctx const& next, Met& met, To const& to) const {
-    to(p, sums(), [&](auto const& where) { met.next |= P2G::run(p, where, next); });
+    to(p, sums(start_of<T>(p[particle::Position{}], next.tick.step)),
+       [&](auto const& where) { met.next |= P2G::run(p, where, next); });
   }
   // What a stage leaves in registers is rounded as in memory: no product of one stage is fused with a sum of the next,
   // and passes apart give the same bits.

@@ -8,16 +8,19 @@ namespace mpmpbd::cuda {
 template <class T> struct BothRows {
   FixedRow<T> now, before;
   __device__ __forceinline__ BothRows operator+(int n) const { return {now + n, before + n}; }
-  __device__ __forceinline__ void add(int n, Quad<T> const& q) const { now.add(n, q); }
-  __device__ __forceinline__ void add_previous(int n, Quad<T> const& q) const {
-    before.add_momentum(n, q);  // its mass is the same
+  __device__ __forceinline__ void add_mass(int n, Quad<T> const& q) const { now.add_mass(n, q); }
+  __device__ __forceinline__ void add_counts(int n, Counts<T> const& c) const {
+    now.add_counts(n, c);
+  }
+  __device__ __forceinline__ void add_previous_counts(int n, Counts<T> const& c) const {
+    before.add_counts(n, c);  // its mass is the same
   }
 };
 template <class T> struct SumsOfBoth : SumsOfArena<T> {
   Arena<T> before;
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
     auto const now = SumsOfArena<T>::window(at);
-    auto const other = SumsOfArena<T>{before, this->lattice, this->unit}.window(at);
+    auto const other = SumsOfArena<T>{before, this->lattice, this->unit, this->start}.window(at);
     return Window{BothRows<T>{now.first, other.first}, now.next_row, now.next_plane};
   }
 };
