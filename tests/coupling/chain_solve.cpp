@@ -1,4 +1,5 @@
 // The mixed chain solve against one dense matrix.
+// seconds: 5
 #include "catch.hpp"
 
 #include <cstring>

@@ -1,4 +1,5 @@
 // GridProjection composes: tissue with thread, needle or both, in batches with the same bits.
+// seconds: 5
 #include <mpmpbd/coupling/grid_projection.hpp>
 #include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/effects/walls.hpp>

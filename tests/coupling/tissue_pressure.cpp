@@ -1,5 +1,6 @@
 // The tissue's own pressure at the points of needle and thread: how it is gathered, and that scenes without
 // it have nothing of it. What it does to a thread is in tests/physics/coupling_squeeze.cpp.
+// seconds: 5
 #include <algorithm>
 #include <cmath>
 #include <random>

@@ -1,5 +1,6 @@
 // Transfers: every scheme with every shape function and force form that composes, in both precisions
 // (A1.1, A1.2, A1.4, A1.5).
+// seconds: 5
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
 #include <mpmpbd/mpm/transfer/flip.hpp>
 #include <mpmpbd/mpm/transfer/pic.hpp>

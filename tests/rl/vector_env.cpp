@@ -1,5 +1,6 @@
 // The step loop, on a task that costs little: shapes, ends of episodes, and that environments do
 // not know each other.
+// seconds: 5
 #include "catch.hpp"
 
 #include <cmath>

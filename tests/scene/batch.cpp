@@ -1,5 +1,6 @@
 // Batches: N environments equal N separate runs, bit for bit (B6, B41, B44), and what goes wrong in one
 // sets its own bit and nothing else.
+// seconds: 5
 #include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/effects/walls.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>

@@ -1,4 +1,5 @@
 // The sheet: construction, crossings through faces, edges and vertices, sides, distances, volume.
+// seconds: 5
 #include "catch.hpp"
 
 #include <algorithm>
