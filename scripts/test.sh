@@ -100,7 +100,7 @@ step "configure $preset" cmake --preset "$preset" -B "$build" "${options[@]}"
 cuda_sources() {
   local without=(-path tests/device/forms -prune -o)
   ! grep -q '^MPMPBD_DEVICE_FORMS:BOOL=ON' "$build/CMakeCache.txt" || without=()
-  ! grep -q '^MPMPBD_CATALOG_CUDA_ALL:BOOL=OFF' "$build/CMakeCache.txt" || without+=(-path src/catalog/cuda/tissue.cu -prune -o)
+  ! grep -q '^MPMPBD_CATALOG_CUDA_ALL:BOOL=OFF' "$build/CMakeCache.txt" || without+=(-path src/catalog/cuda/more -prune -o)
   find src tests/device tests/support bench examples "${without[@]}" -name '*.cu' -print 2>/dev/null
 }
 build_target() { cmake --build "$build" -j "$jobs" --target "$@"; }
