@@ -22,16 +22,14 @@ template <> struct NumbersOf<float> {
   using Unsigned = unsigned;
   static constexpr float scale = 4194304.0f;  // 2^22
   // For |a| up to `scale`, the most that a particle brings to a node: 3 x 2^22 more, and the whole numbers are the last bits
-  // of a float. The sum joins the product before it, and no conversion is waited for. NaN is some number; gather, which
-  // finds it, gives its environment up.
-  __device__ __forceinline__ static Integer nearest(float a) {
-    constexpr float whole = 3.0f * scale;
-    constexpr int bits_of_whole = 0x4b400000;
-    return __float_as_int(a + whole) - bits_of_whole;
-  }
-  // The same but for a number that differences do not have.
-  __device__ __forceinline__ static Integer bits(float a) {
+  // of a float, beside others that differences do not have. The sum joins the product before it, and no conversion is waited
+  // for. NaN is some number; gather, which finds it, gives its environment up.
+  __device__ __forceinline__ static Integer bits_of_nearest(float a) {
     return __float_as_int(a + 3.0f * scale);
+  }
+  __device__ __forceinline__ static Integer nearest(float a) {
+    constexpr int bits_of_zero = 0x4b400000;
+    return bits_of_nearest(a) - bits_of_zero;
   }
 };
 template <> struct NumbersOf<double> {
@@ -42,7 +40,7 @@ template <> struct NumbersOf<double> {
   using Unsigned = unsigned long long;
   static constexpr double scale = 17592186044416.0;  // 2^44
   __device__ __forceinline__ static Integer nearest(double a) { return __double2ll_rn(a); }
-  __device__ __forceinline__ static Integer bits(double a) { return nearest(a); }
+  __device__ __forceinline__ static Integer bits_of_nearest(double a) { return nearest(a); }
 };
 
 // Adds unsigned: a lost environment's sum wraps, and no other atomic sum has 64 bits. The bits are those of a signed sum.
@@ -124,12 +122,12 @@ template <class T> struct Counts { typename NumbersOf<T>::Integer x, y, z; };
 template <class T> struct Shares {
   using Numbers = NumbersOf<T>;
   using Integer = typename Numbers::Integer;
-  T sum[3];
-  Integer given[3];
+  T sum[3];          // from `start` on [counts]
+  Integer given[3];  // its bits_of_nearest
 
   // `start` in [-1/2, 1/2): nothing has been given.
   __device__ __forceinline__ static Shares from(T start) {
-    Integer const none = Numbers::bits(T(0));
+    Integer const none = Numbers::bits_of_nearest(T(0));
     return {{start, start, start}, {none, none, none}};
   }
   __device__ __forceinline__ Counts<T> next(Quad<T> const& share) {
@@ -139,20 +137,21 @@ template <class T> struct Shares {
  private:
   __device__ __forceinline__ Integer next(int a, T share) {
     sum[a] += share;
-    Integer const now = Numbers::bits(sum[a]), more = now - given[a];
+    Integer const now = Numbers::bits_of_nearest(sum[a]), more = now - given[a];
     given[a] = now;
     return more;
   }
 };
-// Drawn by lot from where a particle is and the number of a substep, in [-1/2, 1/2).
+// Drawn by lot from where a particle is [m] and the number of a substep, in [-1/2, 1/2) counts: the finish of MurmurHash3 (Appleby 2011), for
+// which Philox would take more instructions than all shares.
 template <class T> __device__ __forceinline__ T start_of(Vec3<T> const& x, std::int64_t step) {
   auto const bits = [&](int a) {
     return static_cast<unsigned>(__float_as_int(static_cast<float>(x[a])));
   };
   unsigned h = bits(0) * 0x9e3779b1u ^ bits(1) * 0x85ebca77u ^ bits(2) * 0xc2b2ae3du ^
                static_cast<unsigned>(step) * 0x27d4eb2fu;
-  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
-  h = (h ^ (h >> 13)) * 0x297a2d39u;
+  h = (h ^ (h >> 16)) * 0x85ebca6bu;
+  h = (h ^ (h >> 13)) * 0xc2b2ae35u;
   return __int_as_float(static_cast<int>(0x3f800000u | (h >> 9))) - 1.5f;
 }
 
