@@ -12,8 +12,6 @@
 using namespace test;
 
 namespace {
-template <class Run> auto const& read(Run const& run) { return run.state(); }
-
 // With fewer than environments, each has a warp; else as many threads as beads, or as are allowed.
 struct Multiprocessors {
   int const before = emulated::multiprocessors;

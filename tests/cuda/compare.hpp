@@ -1,4 +1,4 @@
-// How far apart two stores are.
+// Runs are moved and looked at, and how far apart two stores are.
 #pragma once
 
 #include <cmath>
@@ -9,6 +9,13 @@
 #include <mpmpbd/testing/worst.hpp>
 
 namespace test {
+
+// The state as it is looked at: a run on a device fetches it, and sends nothing back.
+template <class Run> auto const& read(Run const& run) { return run.state(); }
+
+template <class Run> void step_on(Run& run, int steps, double h) {  // of h [s]
+  for (int s = 0; s < steps; ++s) run.step(h);
+}
 
 // Largest difference of a field over all environments [unit of the field]; a NaN is the largest.
 template <class F, class Store> double difference(Store const& a, Store const& b) {

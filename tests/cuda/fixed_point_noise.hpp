@@ -15,4 +15,10 @@ inline double fixed_point_noise(double dx, double dt, double substeps, int nodes
   return 5.0 * nodes / std::sqrt(12.0) / fixed_point_scale * std::sqrt(substeps) * dx / dt;
 }
 
+// In the mean of the velocities of particles [m/s]: rounded by lot, what a particle gives is off by up to half a count (one
+// standard deviation) per substep, for itself (decision 24); five standard deviations.
+inline double fixed_point_noise_of_mean(double dx, double dt, double substeps, double particles) {
+  return 2.5 * dx / dt / fixed_point_scale * std::sqrt(substeps / particles);
+}
+
 }  // namespace test

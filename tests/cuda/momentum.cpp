@@ -9,6 +9,7 @@
 #include <mpmpbd/scene/simulation.hpp>
 
 #include "catch.hpp"
+#include "cuda/compare.hpp"
 #include "cuda/fixed_point_noise.hpp"
 #include "physics/spinning_disc.hpp"
 
@@ -38,13 +39,6 @@ Simulation<Fall, Cuda, float> block(Cuda::Execution form) {
   return run;
 }
 
-// In a mean of velocities [m/s]: rounded by lot, what a particle gives is off by up to half a count (1 sigma) per substep. Five
-// standard deviations.
-double noise_of_mean(double cell, double dt, int substeps, double count) {
-  double const quantum = cell / dt / fixed_point_scale;
-  return 5.0 * 0.5 * quantum * std::sqrt(substeps / count);
-}
-
 }  // namespace
 
 // Rounded share by share, this block has 0.998, 0.81 and 0.01 of its speed: small shares were lost.
@@ -53,14 +47,14 @@ TEST_CASE("a body falls on a device as fast in short steps as in long ones", "[c
   for (auto form : {Cuda::Execution::resident, Cuda::Execution::tiled})
     for (double dt : {1.25e-4, 2e-5, 4e-6}) {
       auto run = block(form);
-      for (int s = 0; s < steps; ++s) run.step(dt);
+      step_on(run, steps, dt);
       double mean = 0.0;
       for (int p = 0; p < particles; ++p)
-        mean += double(std::as_const(run).state().get<particle::Velocity>(0, p)[2]) / particles;
+        mean += double(read(run).get<particle::Velocity>(0, p)[2]) / particles;
       double const exact = -steps * g * dt;
       CAPTURE(run.execution(), dt, mean / exact);
-      CHECK(std::abs(mean - exact) <
-            noise_of_mean(dx, dt, steps, particles) + steps * 0x1p-24 * std::abs(exact));
+      CHECK(std::abs(mean - exact) < fixed_point_noise_of_mean(dx, dt, steps, particles) +
+                                         steps * 0x1p-24 * std::abs(exact));
       CHECK(run.status(0) == 0);
     }
 }
@@ -70,8 +64,9 @@ TEST_CASE("a disc in free flight keeps its spin on a device", "[cuda][momentum]"
   Disc<Mpm<FixedCorotated, Apic, Mls>, 8, Cuda, float> disc;
   double const before = disc.spin(disc.totals());
   disc.advance(steps);
-  double const of_gyration = omega * radius / std::sqrt(2.0), count = 1624;
-  CHECK(disc.spin(disc.totals()) / before ==
-        Approx(1.0).margin(noise_of_mean(disc.dx, disc.dt(), steps, count) / of_gyration));
+  double const noise =
+      fixed_point_noise_of_mean(disc.dx, disc.dt(), steps, double(disc.particles())) /
+      disc.speed_of_gyration();
+  CHECK(disc.spin(disc.totals()) / before == Approx(1.0).margin(noise));
   CHECK(disc.status() == 0);
 }

@@ -12,8 +12,6 @@ using namespace test;
 
 namespace {
 
-OnDevice::Store const& read(OnDevice const& run) { return run.state(); }
-
 void poison(OnDevice& run, std::int64_t env) {
   auto v = run.state().get<bead::Velocity>(env, 7);
   v[1] = std::numeric_limits<float>::quiet_NaN();

@@ -16,8 +16,6 @@ constexpr Cuda resident{.execution = Cuda::Execution::resident};
 constexpr Cuda tiled{.execution = Cuda::Execution::tiled};
 constexpr Cuda narrow{.threads = 160, .execution = Cuda::Execution::tiled};
 
-template <class Run> auto const& read(Run const& run) { return run.state(); }
-
 template <class Run> bool same_everywhere(Run const& a, Run const& b) {
   bool same = true;
   for (std::int64_t env = 0; env < a.environments(); ++env)

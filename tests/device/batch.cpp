@@ -24,8 +24,6 @@ constexpr Cuda forms[] = {{.execution = Cuda::Execution::resident},
                           {.execution = Cuda::Execution::tiled}};
 constexpr int steps = 2;
 
-auto const& read(OnDevice const& run) { return run.state(); }
-
 // All fields of the environments that have been looked at, in one number.
 std::uint64_t seen = 0;
 void see(OnDevice::Store const& state, std::int64_t env) {

@@ -17,6 +17,7 @@ namespace {
 using namespace mpmpbd;
 using test::check;
 using test::OnDevice;
+using test::read;
 using OnHost = Simulation<Suturing, Threads, float>;
 
 // The needle's tip is in tissue; ten beads have followed the needle.
@@ -29,8 +30,6 @@ OnDevice goes_on(OnHost const& from, int first, std::int64_t environments, Cuda 
   test::drive(run, test::config(), first, steps);
   return run;
 }
-auto const& read(OnDevice const& run) { return run.state(); }
-
 // As for the emulated device, and eight roundings of a position of up to 2 m per step for other arithmetic.
 void compare_with_host(OnDevice const& device, OnHost const& host) {
   auto const c = test::config();

@@ -20,18 +20,11 @@ using Scene_ = catalog::Suture;
 using OnHost = Simulation<Scene_, Serial, float>;
 using OnDevice = Simulation<Scene_, Cuda, float>;
 
-auto const& read(OnDevice const& run) { return run.state(); }
-auto const& read(OnHost const& run) { return run.state(); }
-
-template <class Run> void step_on(Run& run, int steps) {
-  for (int s = 0; s < steps; ++s) run.step(step);
-}
-
 void compare_with_host() {
   constexpr int steps = 10;
   auto host = with_arcs<OnHost>(2);
   auto device = with_arcs<OnDevice>(2);
-  step_on(host, steps), step_on(device, steps);
+  step_on(host, steps, step), step_on(device, steps, step);
   auto const apart = difference<bead::Position>(read(device), read(host));
   check(apart < arc_rounding(steps), "a falling thread is where it is on the host [m]", apart);
   for (std::int64_t env : {0, 1})
@@ -46,7 +39,8 @@ void compare_companies() {
   auto alone = read(one);
   alone.copy_environment(0, read(many), 217);
   one.restore(alone), narrow.restore(alone);
-  step_on(many, steps), step_on(again, steps), step_on(narrow, steps), step_on(one, steps);
+  step_on(many, steps, step), step_on(again, steps, step), step_on(narrow, steps, step),
+      step_on(one, steps, step);
   bool same = true;
   for (std::int64_t env = 0; env < 300; ++env)
     same = same && same_bits(read(many), env, read(again), env);
@@ -56,7 +50,7 @@ void compare_companies() {
 
   again.reset();
   again.state().set<bead::Position>(5, 7, {{std::numeric_limits<float>::quiet_NaN(), 0, 0}});
-  step_on(again, steps);
+  step_on(again, steps, step);
   bool unmoved = true;
   for (std::int64_t env = 0; env < 300; ++env)
     unmoved = unmoved && (env == 5 || read(again).get<bead::Position>(env, beads - 1) ==
@@ -79,7 +73,7 @@ void compare_with_catenary() {
   rod.write(run.state(), 0);
   run.set<Gravity>({{0.0, 0.0, -9.81}});
   run.set<Damping>({settling});
-  step_on(run, steps);
+  step_on(run, steps, step);
 
   double low = span / 100, high = 1e3 * l;
   for (int i = 0; i < 100; ++i) {

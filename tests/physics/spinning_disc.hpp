@@ -62,6 +62,9 @@ template <class Body, int cells_per_radius, class Backend = Serial, class T = do
     for (int n = 0; n < steps; ++n) run_.step(dt());
   }
   std::uint32_t status() const { return run_.status(0); }
+  std::int64_t particles() const { return count_; }
+  // At the radius of gyration, at the start [m/s].
+  static double speed_of_gyration() { return omega * radius / mpmpbd::sqrt(2.0); }
   // What is left of the spin after a PIC step: 1 - 2 M D / (I + 2 M D).
   double pic_factor() const {
     double inertia = 0.0, mass = 0.0;

@@ -22,19 +22,18 @@ void within(char const* what, double got, double wanted, double allowed) {
   report.count(ok);
 }
 
-// A tenth of a revolution. Fixed point adds noise of up to half a count to a particle's velocity per substep (decision 24), five
-// standard deviations of which are allowed in the mean; half of that was lost per substep when each share was rounded.
+// A tenth of a revolution, within the noise of fixed point.
 template <class Gradient> void disc(char const* name) {
   using Body = Mpm<FixedCorotated, Apic, Gradient>;
   using Host = Disc<Body, 8, Serial, float>;
-  constexpr double revolutions = 0.1, particles = 1624;
+  constexpr double revolutions = 0.1;
   std::printf("%s\n", name);
+  Host const still;
   auto const host = spin(Host(), revolutions);
   auto const device = spin(Disc<Body, 8, Cuda, float>(), revolutions);
-  double const substeps = revolutions / Host::dt();
-  double const count = Host::dx / Host::dt() / fixed_point_scale;  // [m/s]
-  double const noise =
-      2.5 * count * std::sqrt(substeps / particles) / (omega * radius / std::sqrt(2.0));
+  double const noise = fixed_point_noise_of_mean(Host::dx, Host::dt(), revolutions / Host::dt(),
+                                                 double(still.particles())) /
+                       Host::speed_of_gyration();
   within("spin that is left", device.spin, 1.0, noise);
   within("spin, against the host's", device.spin, host.spin, noise);
   within("kinetic energy, against the host's", device.kinetic, host.kinetic, 2 * noise);

@@ -26,6 +26,7 @@ namespace {
 using namespace mpmpbd;
 using test::check;
 using test::difference;
+using test::read;
 using test::same_bits;
 
 struct Tissue : Mpm<NeoHookean> {};
@@ -98,8 +99,6 @@ auto make_run(std::int64_t environments, Backend where = {}) {
   }
   return run;
 }
-
-template <class Run> auto const& read(Run const& run) { return run.state(); }
 
 template <class Scene> void compare(char const* name) {
   auto serial = make_run<Scene, Serial>(3);

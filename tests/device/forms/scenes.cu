@@ -16,8 +16,6 @@ using namespace test;
 
 struct Damped : Scene<Mpm<NeoHookean, Pic>, Gravity, Floor> {};
 
-template <class Run> auto const& read(Run const& run) { return run.state(); }
-
 // Fixed point, and eight roundings of a velocity of up to 1 m/s and of a position of up to 1 m per substep for other
 // arithmetic.
 template <class Scene> void compare(char const* name, double loudness = 1.0) {

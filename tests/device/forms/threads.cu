@@ -12,8 +12,6 @@ namespace {
 
 using namespace test;
 
-template <class Run> auto const& read(Run const& run) { return run.state(); }
-
 template <class Scene> void compare(char const* scene) {
   constexpr int steps = 6;
   auto host = with_arcs<Simulation<Scene, Serial, float>>(2);

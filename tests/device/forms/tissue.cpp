@@ -16,14 +16,14 @@ namespace {
 using namespace mpmpbd;
 using test::check;
 using test::difference;
+using test::read;
 using test::same_bits;
+using test::step_on;
 using OnHost = Simulation<catalog::Tissue, Serial, float>;
 using OnDevice = Simulation<catalog::Tissue, Cuda, float>;
 
 constexpr double dx = 3.7e-3, step = 4e-4;
 constexpr int substeps = 4, across = 12;  // particles along each edge, two per cell
-
-template <class Run> auto const& read(Run const& run) { return run.state(); }
 
 // Environments that fall at different speeds.
 template <class Run> Run falling(std::int64_t environments, auto... where) {
@@ -50,15 +50,11 @@ template <class Run> Run falling(std::int64_t environments, auto... where) {
   }
   return run;
 }
-template <class Run> void step_on(Run& run, int steps) {
-  for (int s = 0; s < steps; ++s) run.step(step);
-}
-
 void compare_with_host() {
   constexpr int steps = 10;
   auto host = falling<OnHost>(2);
   auto device = falling<OnDevice>(2);
-  step_on(host, steps), step_on(device, steps);
+  step_on(host, steps, step), step_on(device, steps, step);
   double const v = test::fixed_point_noise(dx, step / substeps, steps * substeps);
   double const off = difference<particle::Velocity>(read(device), read(host));
   check(off < v, "velocities are the host's, of what is allowed", off / v);
@@ -75,7 +71,7 @@ void compare_companies() {
   auto alone = read(one);
   alone.copy_environment(0, read(many), 117);
   one.restore(alone), tiled.restore(alone);
-  step_on(many, 5), step_on(one, 5), step_on(tiled, 5);
+  step_on(many, 5, step), step_on(one, 5, step), step_on(tiled, 5, step);
   check(same_bits(read(many), 117, read(one), 0), "the same bits alone");
   check(same_bits(read(many), 117, read(tiled), 0), "and in tiled form");
 }
