@@ -5,6 +5,7 @@
 #include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/effects/pinned_region.hpp>
 #include <mpmpbd/effects/walls.hpp>
+#include <mpmpbd/mpm/lattice.hpp>
 #include <mpmpbd/testing/effect_laws.hpp>
 
 namespace {
@@ -205,4 +206,36 @@ TEST_CASE("effect parameters out of bounds are refused by name", "[effect][param
                     Catch::Contains("high_z"));
   CHECK_THROWS_WITH((check_parameters<Wall<Slip, 0, Side::low>, double>({nan})),
                     Catch::Contains("position"));
+}
+
+// A plane at i dx, as a user writes it, is where the lattice has its nodes i, whatever both were rounded to.
+TEMPLATE_TEST_CASE("walls and boxes on a plane of nodes hold these nodes", "[effect][wall]", float,
+                   double) {
+  using T = TestType;
+  using Low = Wall<Sticky, 0, Side::low>;
+  using High = Wall<Sticky, 0, Side::high>;
+  auto const up = vec(T(0.3), T(0), T(0));
+  int wrong = 0;
+  for (int k = 1; k <= 200; ++k) {
+    double const dx = 1.3e-4 * k;
+    auto const lattice = Lattice<T>::make(T(dx), 64, 8, 8);
+    for (int i = 1; i < 60; ++i) {
+      auto const plane = static_cast<T>(i * dx);
+      auto const holds = [&]<class E>(std::type_identity<E>, int node, auto const& parameters) {
+        auto n = moving<T>(lattice.position(node, 0, 0), up);
+        E::apply(n, parameters, tick_of<T>(1e-4));
+        return n[node::Velocity{}][0] == T(0);
+      };
+      using std::type_identity;
+      Low::Parameters<T> const wall{plane};
+      PinnedRegion::Parameters<T> const box{{plane, T(0), T(0)}, {plane, T(1), T(1)}};
+      wrong += !holds(type_identity<Low>{}, i, wall) + holds(type_identity<Low>{}, i + 1, wall);
+      wrong += !holds(type_identity<High>{}, i, wall) + holds(type_identity<High>{}, i - 1, wall);
+      for (int node : {i - 1, i, i + 1})
+        wrong += holds(type_identity<PinnedRegion>{}, node, box) != (node == i);
+      // A difference that is rounded once, as a device may do, is within what counts as on the plane.
+      wrong += std::fma(T(i), lattice.dx, -plane) > 4 * epsilon<T> * plane;
+    }
+  }
+  CHECK(wrong == 0);
 }

@@ -32,7 +32,7 @@ template <int axis, Side side> struct FrictionalWall {
   template <class Node, class K, class T>
   MPMPBD_HD static void apply(Node& n, K const& k, Tick<T> const&) {
     constexpr T inward = side == Side::low ? T(1) : T(-1);
-    if ((n[node::Position{}][axis] - k.position) * inward > T(0)) return;
+    if (!at_or_behind(n[node::Position{}][axis], k.position, inward)) return;
     auto& v = n[node::Velocity{}];
     T const into = -v[axis] * inward;
     if (into < T(0)) return;

@@ -4,14 +4,17 @@
 #include <array>
 
 #include <mpmpbd/effects/concepts.hpp>
+#include <mpmpbd/effects/plane.hpp>
 
 namespace mpmpbd {
 
 namespace detail {
 template <class Node, class K> MPMPBD_HD bool in_box(Node const& n, K const& k) {
+  using T = typename Node::Scalar;
+  auto const& x = n[node::Position{}];
   bool inside = true;
   for (int a = 0; a < 3; ++a)
-    inside = inside && n[node::Position{}][a] >= k.low[a] && n[node::Position{}][a] <= k.high[a];
+    inside = inside && at_or_behind(x[a], k.low[a], T(-1)) && at_or_behind(x[a], k.high[a], T(1));
   return inside;
 }
 inline constexpr std::array<ParameterInfo, 9> box_info{

@@ -5,6 +5,7 @@
 
 #include <mpmpbd/core/joined.hpp>
 #include <mpmpbd/effects/concepts.hpp>
+#include <mpmpbd/effects/plane.hpp>
 
 namespace mpmpbd {
 
@@ -73,7 +74,8 @@ template <class Condition, int axis, Side side> struct Wall {
   template <class Node, class K, class T>
   MPMPBD_HD static void apply(Node& n, K const& k, Tick<T> const&) {
     constexpr T inward = side == Side::low ? T(1) : T(-1);
-    if ((n[node::Position{}][axis] - k.position) * inward <= T(0)) Condition::hold(n, axis, inward);
+    if (at_or_behind(n[node::Position{}][axis], k.position, inward))
+      Condition::hold(n, axis, inward);
   }
 };
 
@@ -101,8 +103,8 @@ template <class Condition> struct Walls {
   template <class Node, class K, class T>
   MPMPBD_HD static void apply(Node& n, K const& k, Tick<T> const&) {
     for (int a = 0; a < 3; ++a) {
-      if (n[node::Position{}][a] <= k.low[a]) Condition::hold(n, a, T(1));
-      if (n[node::Position{}][a] >= k.high[a]) Condition::hold(n, a, T(-1));
+      if (at_or_behind(n[node::Position{}][a], k.low[a], T(1))) Condition::hold(n, a, T(1));
+      if (at_or_behind(n[node::Position{}][a], k.high[a], T(-1))) Condition::hold(n, a, T(-1));
     }
   }
 };
