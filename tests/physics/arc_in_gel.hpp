@@ -2,6 +2,7 @@
 // itself and nothing else.
 #pragma once
 
+#include "physics/back_end.hpp"
 #include "physics/needle_in_gel.hpp"
 
 namespace test {
@@ -25,7 +26,7 @@ struct ArcForces {
 };
 
 struct ArcInGel {
-  using Run = Simulation<NeedleInGel<Friction>, Serial, double>;
+  using Run = Simulation<NeedleInGel<Friction>, BackEnd, double>;
   static constexpr double wire = 3e-4, friction = 0.2, pressure = 2e3;  // [m], [1], [Pa]
 
   ArcCase c;

@@ -17,6 +17,7 @@ struct DiscOutcome {
   double when;     // at that time [s]
   double most;  // of kinetic and strain energy on the way, affine motion within particles included
   double momentum;  // at the end, over the sum of m |v| at the start
+  double rounding;  // that it may have on this back end
   std::uint32_t status;
 };
 
@@ -41,7 +42,7 @@ template <class Body> class Discs {
 
   DiscOutcome collide() {
     double const start = kinetic();
-    DiscOutcome o{start / dx_, 0.0, 1.0, 0.0, 0.0, 0.0, 0};
+    DiscOutcome o{start / dx_, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0};
     auto const steps = static_cast<int>(std::lround(duration / dt));
     for (int n = 1; n <= steps; ++n) {
       run_.step(dt);
@@ -55,6 +56,7 @@ template <class Body> class Discs {
     }
     auto const all = tissue_totals(run_, 0);
     o.momentum = norm(all.momentum) / (all.mass * std::sqrt(2.0) * speed);
+    o.rounding = 1e-13 + share_of_counts<double>(speed, dx_, dt, steps, double(count()));
     o.status = run_.status(0);
     return o;
   }

@@ -1,6 +1,7 @@
 // A4.1, the parts that need no long way. How the compression of an open arc grows while it travels its own
 // length, and falls with the cell, is in coupling_arc_long.cpp.
 // seconds: 25
+// on a device
 #include "catch.hpp"
 
 #include "physics/arc_in_gel.hpp"

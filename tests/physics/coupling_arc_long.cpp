@@ -3,6 +3,7 @@
 // friction then: 0.133, 0.086, 0.055, 0.038 at a radius of 5, 8, 13, 16 cells, 0.6 to 0.7 cells / radius.
 // The limit of 5 % therefore takes some 14 cells.
 // seconds: 900
+// on a device
 #include "catch.hpp"
 
 #include "physics/arc_in_gel.hpp"

@@ -1,5 +1,6 @@
 // A3.16: a thread drawn round half a turn in gel, 16 segments of 0.79 cells. A full turn: coupling_capstan_turns_long.cpp.
 // seconds: 6
+// on a device
 #include "catch.hpp"
 #include "physics/wound_thread.hpp"
 

@@ -2,6 +2,7 @@
 // the tension has grown, and the angle of wrap with it: 1.0 to 1.4 % here. A capstan of the angle that the thread
 // then has is met within 2 %; of the track's own, 1.3, 2.6 and 3.3 % are off at mu = 0.1, 0.2, 0.3.
 // seconds: 45
+// on a device
 #include "catch.hpp"
 #include "physics/wound_thread.hpp"
 

@@ -1,5 +1,6 @@
 // A4.2: the force on a straight needle that is pushed into gel and drawn out again, against its depth.
 // seconds: 25
+// on a device
 #include "catch.hpp"
 
 #include "physics/pushed_needle.hpp"

@@ -4,6 +4,7 @@
 // is exact for steady sliding at any dt (coupling_friction.cpp) and first order here: 1 % when tau is
 // resolved by 50 substeps. An exponential instead would be exact here and wrong there, where a force
 // holds the needle against its drag.
+// on a device
 #include "catch.hpp"
 
 #include "physics/needle_in_gel.hpp"

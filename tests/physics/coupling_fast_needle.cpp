@@ -1,6 +1,7 @@
 // B29: a needle that moves by several cells in a step does not pass through tissue unnoticed. Substeps follow
 // its speed: at most half a cell each. Where their number is fixed, a status bit says that it is too small.
 // seconds: 25
+// on a device
 #include "catch.hpp"
 
 #include "physics/needle_in_gel.hpp"

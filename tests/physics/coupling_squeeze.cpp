@@ -4,6 +4,7 @@
 // A long block between four rough walls is put under a stress that is known in closed form: a uniform
 // stretch whose axial part leaves its two ends free of stress. A straight thread is pulled through it.
 // seconds: 12
+// on a device
 #include <cmath>
 
 #include <mpmpbd/coupling/embedded.hpp>
@@ -16,6 +17,7 @@
 #include <mpmpbd/scene/simulation.hpp>
 
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 
 using namespace mpmpbd;
 
@@ -71,7 +73,8 @@ RodAssembly<Thread> thread() {
   return rod;
 }
 
-template <class S> Simulation<S, Serial, double> block(Squeeze const& squeeze, double clamp) {
+template <class S>
+Simulation<S, test::BackEnd, double> block(Squeeze const& squeeze, double clamp) {
   SimulationOptions o;
   o.cell_size = dx;
   for (int a = 0; a < 3; ++a) o.nodes[a] = 2 * margin + (a == 2 ? 20 : 6) + 1;
@@ -79,7 +82,7 @@ template <class S> Simulation<S, Serial, double> block(Squeeze const& squeeze, d
   o.capacity = thread().capacity();
   o.capacity.push_back({"particle", 12 * 12 * 40});
   o.capacity.push_back({"contact point", beads});
-  Simulation<S, Serial, double> sim(o);
+  Simulation<S, test::BackEnd, double> sim(o);
   sim.template set<NeoHookean>(stiffness);
   sim.template set<Viscosity>({2.0});
   sim.template set<Embedded>({radius});

@@ -3,6 +3,7 @@
 //
 // Whole scenes: tissue with its surface, a needle (parked aside), a thread that was never swaged to it.
 // seconds: 15
+// on a device
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,6 +17,7 @@
 #include <mpmpbd/scene/simulation.hpp>
 
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 
 using namespace mpmpbd;
 
@@ -40,7 +42,7 @@ struct Thread : Pbd<Constraints<Distance, Bend>> {};
 using Floor = Wall<Sticky, 2, Side::low>;
 struct OnSurface : Scene<Tissue, Thread, ArcNeedle, Surface, Coupling<Embedded, Friction>,
                          Viscosity, Air, Pull, Floor> {};
-using Run = Simulation<OnSurface, Serial, double>;
+using Run = Simulation<OnSurface, test::BackEnd, double>;
 
 constexpr double dx = 2e-3, shear = 3.6e3, density = 1050;
 constexpr double unit_force = shear * dx * dx;  // T = 1 [N]
@@ -165,17 +167,17 @@ TEST_CASE("a taut thread laid over uncut tissue and pressed stays on it",
     for (int q = 0; q < thread_points(sim); ++q) {
       auto const x = point(sim, q);
       members += member(sim, q);
-      pushed -= state.get<contact::Impulse>(0, q)[2];
+      pushed -= sim.state().get<contact::Impulse>(0, q)[2];
       if (x[0] > corner[0] && x[0] < corner[0] + 10 * dx)
         deepest = std::max(deepest, depth(sim, x));
     }
   }
-  pushed /= state.get<environment::Dt>(0) * unit_force;
+  pushed /= sim.state().get<environment::Dt>(0) * unit_force;
   CAPTURE(deepest, pushed, sim.status(0));
   CHECK(members == 0);
   CHECK(deepest < 0.25);
   CHECK(pushed == Approx(2 * down + press).epsilon(0.01));  // the tissue carries all of it
-  CHECK(state.get<bead::Tension>(0, beads / 2) == Approx(unit_force).epsilon(0.1));
+  CHECK(sim.state().get<bead::Tension>(0, beads / 2) == Approx(unit_force).epsilon(0.1));
   CHECK(sim.status(0) == 0);
 }
 
@@ -243,8 +245,8 @@ TEST_CASE("a puncture is noticed in a scene without markers", "[coupling][embedd
   needle::set_pose(state.view<Needles>(), 0, above);
   Tip<double>::at(tip).store(state.view<Needles>(), 0);
   needle::set_twist(state.view<Needles>(), 0, Twist<double>{vec(0.0, 0.0, -0.05), {}});
-  for (int s = 0; s < 60 && state.get<event::Count>(0) == 0; ++s) sim.step(1e-3);
-  REQUIRE(state.get<event::Count>(0) == 1);
-  CHECK(state.get<event::Kind>(0, 0) == std::int64_t(EventKind::entry));
-  CHECK(state.get<event::Miss>(0, 0) == infinity<double>);
+  for (int s = 0; s < 60 && sim.state().get<event::Count>(0) == 0; ++s) sim.step(1e-3);
+  REQUIRE(sim.state().get<event::Count>(0) == 1);
+  CHECK(sim.state().get<event::Kind>(0, 0) == std::int64_t(EventKind::entry));
+  CHECK(sim.state().get<event::Miss>(0, 0) == infinity<double>);
 }

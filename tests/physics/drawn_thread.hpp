@@ -6,6 +6,7 @@
 
 #include <mpmpbd/pbd/rod_builder.hpp>
 
+#include "physics/back_end.hpp"
 #include "physics/gel.hpp"
 
 namespace test {
@@ -49,7 +50,7 @@ struct DrawnScene : Scene<Gel, Rods_, Coupling<Embedded, Friction>, Damping, Wal
 using Stiff = Pbd<Constraints<Distance, Bend>>;
 using Limp = Pbd<Constraints<Distance>>;
 
-template <class Rods_, class Backend = Serial, class T = double> struct DrawnThread {
+template <class Rods_, class Backend = BackEnd, class T = double> struct DrawnThread {
   using Run = Simulation<DrawnScene<Rods_>, Backend, T>;
   // A particle near the track, and which way the track goes there.
   struct Tracer {

@@ -1,6 +1,7 @@
 // The reference scheme in a block of soft tissue: what a thread feels that is pushed sideways, pulled along
 // itself, or dragged. Expected values that document its limits, beside Embedded in the same scene.
 // seconds: 40
+// on a device
 #include <mpmpbd/coupling/embedded.hpp>
 #include <mpmpbd/coupling/grid_projection.hpp>
 #include <mpmpbd/effects/walls.hpp>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 
 using namespace mpmpbd;
 
@@ -90,7 +92,7 @@ template <class Laws_> class Probe {
                   {ContactPoints::name.view(), beads}};
     return o;
   }
-  Simulation<Block<Laws_>, Serial, double> sim_;
+  Simulation<Block<Laws_>, test::BackEnd, double> sim_;
 };
 
 struct Spread {

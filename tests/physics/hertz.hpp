@@ -6,12 +6,12 @@
 #pragma once
 
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/effects/damping.hpp>
 #include <mpmpbd/effects/indenter.hpp>
 #include <mpmpbd/effects/walls.hpp>
@@ -82,7 +82,7 @@ class Indentation {
 
   double dx_;
   int n_;
-  Simulation<Pressed, Threads, float> run_;
+  Simulation<Pressed, ParallelBackEnd, float> run_;
   double duration_ = 0.0;
 };
 

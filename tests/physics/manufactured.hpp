@@ -6,6 +6,7 @@
 
 #include <mpmpbd/effects/body_force.hpp>
 
+#include "physics/back_end.hpp"
 #include "physics/plane_strain.hpp"
 
 namespace test {
@@ -89,7 +90,7 @@ template <class Body, class Motion, class T = double> class Manufactured {
 
   Motion motion_;
   Manufacture make_;
-  Simulation<Forced, Serial, T> run_;
+  Simulation<Forced, BackEnd, T> run_;
   double time_ = 0.0;
 };
 

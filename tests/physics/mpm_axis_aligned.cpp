@@ -1,5 +1,6 @@
 // A2.4: a vibrating cube, manufactured (Wallstedt and Guilkey 2008): the orders of A2.2 in 3-D.
 // seconds: 40
+// on a device
 #include <mpmpbd/mpm/transfer/tpic.hpp>
 
 #include "physics/axis_aligned.hpp"

@@ -2,6 +2,7 @@
 // the modulus of uniaxial strain, so that the forces of the grid are weighed and not only the material's law,
 // and the mean pressure is the bulk modulus times the strain.
 // seconds: 1
+// on a device
 #include <cmath>
 
 #include <mpmpbd/effects/body_force.hpp>

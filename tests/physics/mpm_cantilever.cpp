@@ -1,5 +1,6 @@
 // A2.9: a beam of four cells sags under its own weight by as much as the elastica, and some percent more.
 // seconds: 48
+// on a device
 #include "physics/sagging_beam.hpp"
 
 using namespace test;

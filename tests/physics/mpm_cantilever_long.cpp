@@ -1,5 +1,6 @@
 // A2.9 at eight cells: what refinement does to the drop of a beam under its own weight.
 // seconds: 300
+// on a device
 #include "physics/sagging_beam.hpp"
 
 using namespace test;

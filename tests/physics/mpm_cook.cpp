@@ -1,6 +1,7 @@
 // A2.11: Cook's membrane against finite elements of second order, in plane strain and in plane stress. Here up to
 // nu = 0.49; what is closer to incompressible takes longer steps: mpm_cook_long.
 // seconds: 30
+// on a device
 #include <mpmpbd/mpm/materials/lame.hpp>
 
 #include "physics/cook.hpp"
@@ -21,19 +22,19 @@ struct ThinSheet {
   template <class T> using Parameters = Lame<T>;
   static constexpr auto parameter_info = lame_info;
 
-  template <class P, class K> static auto kirchhoff(P const& p, K const& k) {
+  template <class P, class K> MPMPBD_HD static auto kirchhoff(P const& p, K const& k) {
     return NeoHookean::kirchhoff(stretched(p, k), k);
   }
-  template <class P, class K> static auto energy(P const& p, K const& k) {
+  template <class P, class K> MPMPBD_HD static auto energy(P const& p, K const& k) {
     return NeoHookean::energy(stretched(p, k), k);
   }
   // Free to move across, it is not stiffer.
-  template <class P, class K> static auto stiffness(P const& p, K const& k) {
+  template <class P, class K> MPMPBD_HD static auto stiffness(P const& p, K const& k) {
     return NeoHookean::stiffness(stretched(p, k), k);
   }
 
  private:
-  template <class P, class K> static auto stretched(P const& p, K const& k) {
+  template <class P, class K> MPMPBD_HD static auto stretched(P const& p, K const& k) {
     using T = typename P::Scalar;
     Local<T, Reads> q;
     auto& F = q[particle::Deformation{}];

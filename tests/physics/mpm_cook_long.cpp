@@ -2,6 +2,7 @@
 // second order: 0.991 and 0.965 at nu = 0.499 and 0.4999 with the weight gradient, 0.952 and 0.820 with MLS. There is
 // no cure of locking in the library, and the page expects less than 0.7 already at nu = 0.49 without one.
 // seconds: 150
+// on a device
 #include <array>
 
 #include "physics/cook.hpp"

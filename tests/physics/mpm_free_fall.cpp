@@ -1,4 +1,5 @@
 // B9: free fall is a parabola, exactly the one of the integrator, and nothing strains.
+// on a device
 #include <vector>
 
 #include <mpmpbd/effects/gravity.hpp>
@@ -9,6 +10,7 @@
 #include <mpmpbd/scene/simulation.hpp>
 
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 
 using namespace mpmpbd;
 
@@ -21,11 +23,11 @@ template <class Body> struct Fall : Scene<Body, Gravity> {};
 // Symplectic Euler: v_n = v0 - n g dt, x_n = x0 + n v0 dt - g dt^2 n (n + 1) / 2. Errors add up over the
 // steps like a random walk at worst linearly: n roundings of x and of v.
 template <class Body, class T> void check_fall(int particles_per_axis) {
-  Simulation<Fall<Body>, Serial, T> run({.environments = 1,
-                                         .cell_size = dx,
-                                         .nodes = {11, 11, 15},
-                                         .capacity = {{"particle", 64}},
-                                         .substeps = 1});
+  Simulation<Fall<Body>, test::BackEnd, T> run({.environments = 1,
+                                                .cell_size = dx,
+                                                .nodes = {11, 11, 15},
+                                                .capacity = {{"particle", 64}},
+                                                .substeps = 1});
   run.template set<NeoHookean>(lame(1.3e4, 0.4));
   run.template set<Gravity>({{0.0, 0.0, -g}});
   if constexpr (std::is_same_v<typename Body::Transfer, Flip>) run.template set<Flip>({1.0});
@@ -47,6 +49,11 @@ template <class Body, class T> void check_fall(int particles_per_axis) {
   constexpr bool smooth = Body::Shape::inverse_inertia > 0.0;
   CHECK(run.status(0) == (smooth ? 0u : static_cast<std::uint32_t>(Fault::time_step)));
   double const roundings = 4.0 * steps * double(epsilon<T>);
+  // Where momentum is rounded when it is shared out, the velocity of a particle walks at random, and C too, whose sum F
+  // is. TPIC takes C from slopes: at the edge of a stencil these are many times the weight that a velocity was divided by.
+  constexpr double spread = std::is_same_v<typename Body::Transfer, Tpic> ? 300.0 : 12.0;
+  double const walk = 40.0 * test::quantum<T> * std::sqrt(steps),
+               walk_of_F = spread * test::quantum<T> * std::pow(steps, 1.5);
   double const size = 14.0 * dx, speed = g * dt * steps;
   for (std::size_t p = 0; p < at.size(); ++p) {
     auto const slot = static_cast<std::int64_t>(p);
@@ -55,10 +62,11 @@ template <class Body, class T> void check_fall(int particles_per_axis) {
     auto const F = cast<double>(run.state().template get<particle::Deformation>(0, slot));
     auto const h = double(T(dt));
     auto const fall = vec(0.0, 0.0, g * h * h * steps * (steps + 1) / 2.0);
-    CHECK(norm(x - (at[p] + steps * h * v0 - fall)) < roundings * size);
-    CHECK(norm(v - (v0 - vec(0.0, 0.0, steps * g * h))) < roundings * speed);
+    CHECK(norm(x - (at[p] + steps * h * v0 - fall)) < roundings * size + walk * dx * steps);
+    CHECK(norm(v - (v0 - vec(0.0, 0.0, steps * g * h))) < roundings * speed + walk * dx / dt);
     // A velocity that is uniform to rounding has gradients of rounding / dx.
-    CHECK(norm(F - Mat3<double>::identity()) < roundings * speed * dt / dx * 16.0 + roundings);
+    CHECK(norm(F - Mat3<double>::identity()) <
+          roundings * speed * dt / dx * 16.0 + roundings + walk_of_F);
   }
 }
 
@@ -75,6 +83,8 @@ TEMPLATE_TEST_CASE("Free fall is the exact parabola", "", float, double) {
     check_fall<Body<Tpic, QuadraticBSpline, WeightGradient>, T>(n);
     check_fall<Body<Flip, QuadraticBSpline, Mls>, T>(n);
     check_fall<Body<Pic, CubicBSpline, Mls>, T>(n);
+#ifndef MPMPBD_PHYSICS_ON_DEVICE  // which refuses linear splines
     check_fall<Body<Flip, LinearBSpline>, T>(n);
+#endif
   }
 }

@@ -1,7 +1,9 @@
 // A2.12, A3.15: a block slides on a wall with friction, down a slope (matter's case: 24 degrees, mu = tan 15 degrees, 5 s:
 // 19.859471 m within 1e-3) and to a stop after v^2 / (2 mu g) (within 1 %).
 // seconds: 10
+// on a device
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 
 #include <mpmpbd/effects/damping.hpp>
 #include <mpmpbd/effects/frictional_wall.hpp>
@@ -67,7 +69,7 @@ class Block {
   std::uint32_t status() const { return run_.status(0); }
 
  private:
-  Simulation<Sliding, Serial, double> run_;
+  Simulation<Sliding, test::BackEnd, double> run_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 // 0.1 dx of gap). With 16 cells it is 1.33 from 0.3 mm on, and 1.5 from 1 mm on: mpm_hertz_long. See hertz.hpp.
 // seconds: 60
 // processors: 2
+// on a device
 #include "physics/hertz.hpp"
 
 using namespace test;

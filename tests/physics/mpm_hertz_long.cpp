@@ -5,6 +5,7 @@
 // wants it, that shows as an exponent of 1.33; an offset fitted first, to F^(2/3), gives 1.48, but it would give 1.5 for a
 // force that grows as depth, too. See hertz.hpp.
 // seconds: 2400
+// on a device
 #include "physics/hertz.hpp"
 
 using namespace test;

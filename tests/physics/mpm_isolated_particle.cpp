@@ -1,6 +1,9 @@
 // A2.1: a single particle on the grid is an oscillator with a known frequency, wherever it is in its cell,
 // and with a known limit of the time step. Checks gradient_stiffness() for every transfer and force form.
 // seconds: 3
+// on a device
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
@@ -10,12 +13,15 @@
 #include <mpmpbd/scene/simulation.hpp>
 
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 
 using namespace mpmpbd;
 
 namespace {
 
-constexpr double dx = 3.7e-3, density = 1050.0, strain = 1e-7;
+constexpr double dx = 3.7e-3, density = 1050.0;
+// At the start: small, and far above what momentum is rounded to.
+constexpr double strain = test::quantum < double >> 0 ? 1e-5 : 1e-7, large = 1e-2;
 Lame<double> const material = lame(1.3e4, 0.4);
 
 template <class Body> struct Lone : Scene<Body> {};
@@ -31,11 +37,11 @@ Mat3<double> shape_of(Mode mode) {
 template <class Body>
 std::vector<double> strains(Vec3<double> const& cells, double dt, int steps,
                             Mode mode = Mode::volume) {
-  Simulation<Lone<Body>, Serial, double> run({.environments = 1,
-                                              .cell_size = dx,
-                                              .nodes = {8, 8, 8},
-                                              .capacity = {{"particle", 1}},
-                                              .substeps = 1});
+  Simulation<Lone<Body>, test::BackEnd, double> run({.environments = 1,
+                                                     .cell_size = dx,
+                                                     .nodes = {8, 8, 8},
+                                                     .capacity = {{"particle", 1}},
+                                                     .substeps = 1});
   run.template set<NeoHookean>(material);
   if constexpr (std::is_same_v<typename Body::Transfer, Flip>) run.template set<Flip>({1.0});
   std::vector<Vec3<double>> const at{dx * cells};
@@ -45,7 +51,7 @@ std::vector<double> strains(Vec3<double> const& cells, double dt, int steps,
   std::vector<double> e;
   for (int n = 0; n < steps; ++n) {
     e.push_back(run.state().template get<particle::Deformation>(0, 0)(0, 0) - 1.0);
-    if (mpmpbd::abs(e.back()) > 1e6 * strain) break;
+    if (mpmpbd::abs(e.back()) > 10 * large) break;
     run.step(dt);
   }
   return e;
@@ -58,7 +64,8 @@ double largest(std::vector<double> const& e) {
 }
 
 // Frequency [1/s] of an undamped discrete oscillator, e_{n+1} + e_{n-1} = (2 - (w dt)^2) e_n, by least
-// squares: w is that of the differential equation, sin(w_disc dt / 2) = w dt / 2.
+// squares: w is that of the differential equation, sin(w_disc dt / 2) = w dt / 2. Rounding of shared momentum moves e by
+// 6 to 9 quanta per step, and w by 18 to 28 quanta over the strain (one standard deviation).
 double frequency(std::vector<double> const& e, double dt) {
   double up = 0.0, down = 0.0;
   for (std::size_t n = 1; n + 1 < e.size(); ++n) {
@@ -68,11 +75,13 @@ double frequency(std::vector<double> const& e, double dt) {
   return mpmpbd::sqrt(-up / down) / dt;
 }
 
-// Where the weight gradient is stiffest, in cells.
+// Where the weight gradient is stiffest, in cells: at the edge of the stencil, but not so near to it that the mass there
+// is less than what it is rounded to.
 template <class Shape> double worst_place() {
+  double const edge = std::max(1e-9, std::sqrt(2e6 * test::quantum<double>));
   double place = 0.5, most = 0.0;
   for (int n = 1; n < 400; ++n) {
-    double const f = Shape::offset + (n < 399 ? n / 400.0 : 1e-9);
+    double const f = Shape::offset + (n < 399 ? n / 400.0 : edge);
     double const here = detail::slope_stiffness<Shape>(f);
     if (here > most) {
       most = here;
@@ -104,7 +113,7 @@ template <class Body> void check_frequency() {
     }
     CHECK_THAT(slowest, WithinRel(c.exact, 1e-4));
     CHECK_THAT(fastest, WithinRel(c.exact, 1e-4));
-    CHECK(fastest - slowest < 1e-6 * c.exact);
+    CHECK(fastest - slowest < (1e-6 + 150 * test::quantum<double> / strain) * c.exact);
   }
 }
 
@@ -116,9 +125,10 @@ template <class Body> void check_limit(double stiffness) {
   double const limit = elastic_limit<Body>(StepBounds<double>{k3 / density, 0.0, 0.0}, dx);
   double const f = worst_place<typename Body::Shape>();
   auto const cells = vec(2.0 + f, 2.0 + f, 2.0 + f);
+  CAPTURE(Body::Shape::name.view(), Body::Transfer::name.view(), Body::Form::name.view());
   CHECK(largest(strains<Body>(cells, 0.98 * limit, 4000)) <=
         1.001 / mpmpbd::sqrt(1.0 - 0.98 * 0.98));
-  CHECK(largest(strains<Body>(cells, 1.02 * limit, 4000)) > 1e5);
+  CHECK(largest(strains<Body>(cells, 1.02 * limit, 4000)) > large / strain);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // A2.8 (and B38 at ten times gravity): a column between rollers under its own weight, against the exact
 // finite-strain solution P(F) = -rho g (H - X).
 // seconds: 2
+// on a device
 #include <array>
 #include <cmath>
 

@@ -1,5 +1,6 @@
 // A2.6 at sixteen cells in the radius: FLIP loses less of the spin than at eight.
 // seconds: 60
+// on a device
 #include "physics/spinning_disc_checks.hpp"
 
 using namespace test;

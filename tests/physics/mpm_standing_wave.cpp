@@ -4,6 +4,7 @@
 //
 // The bar and its mirror image are run, so the fixed end is a place inside of a body. A wall would hold the
 // node behind it too, which should move like the one before it, backwards: first order in dx.
+// on a device
 #include <cmath>
 
 #include <mpmpbd/mpm/transfer/pic.hpp>

@@ -1,6 +1,7 @@
 // A2.12: a thick cylinder in plane strain, pressed from outside, against Lame's solution
 // s_r = -p (1 - ri^2/r^2) / (1 - ri^2/ro^2).
 // seconds: 4
+// on a device
 #include <cmath>
 
 #include <mpmpbd/effects/body_force.hpp>

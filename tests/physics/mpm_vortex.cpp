@@ -5,6 +5,7 @@
 // The page's ring is bare: nothing acts on its faces. They have a cost of their own, first order in dx. Within an
 // eighth of tissue that stays at rest (there is neither motion nor body force outside of 0.75 < R < 1.25) what is
 // measured, in the ring alone, is the error inside of a body: bounds of about 1.5 times what was measured.
+// on a device
 #include <algorithm>
 #include <cmath>
 

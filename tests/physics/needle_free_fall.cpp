@@ -1,4 +1,5 @@
 // A needle that nothing holds falls as it should, alone and with a thread swaged to it.
+// on a device
 #include <mpmpbd/coupling/embedded.hpp>
 #include <mpmpbd/coupling/grid_projection.hpp>
 #include <mpmpbd/effects/gravity.hpp>
@@ -7,6 +8,7 @@
 #include <mpmpbd/scene/simulation.hpp>
 
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 
 using namespace mpmpbd;
 
@@ -41,7 +43,7 @@ RodAssembly<Thread> thread() {
 }
 
 // Far above a few points of tissue, which it does not touch.
-template <class S> Simulation<S, Serial, double> falling() {
+template <class S> Simulation<S, test::BackEnd, double> falling() {
   SimulationOptions o;
   o.cell_size = dx;
   o.nodes[0] = o.nodes[1] = 20;
@@ -52,7 +54,7 @@ template <class S> Simulation<S, Serial, double> falling() {
   o.capacity.push_back({"needle", 1});
   o.capacity.push_back({"contact point", beads + contact_points(ArcPoints<double>::over(
                                                      FreeArcNeedle::arc(wire), dx))});
-  Simulation<S, Serial, double> sim(o);
+  Simulation<S, test::BackEnd, double> sim(o);
   sim.template set<NeoHookean>(lame(2e4, 0.4));
   sim.template set<Gravity>({{g[0], g[1], g[2]}});
   sim.template set<FreeArcNeedle>(wire);
@@ -93,11 +95,11 @@ TEMPLATE_TEST_CASE("a free needle falls and turns on as before", "[needle][gravi
 
 TEST_CASE("needle and swaged thread gain the momentum of their weight", "[needle][gravity]") {
   auto sim = falling<Suture>();
-  auto& state = sim.state();
   auto const body = FreeArcNeedle::body(wire);
   double mass = body.mass;
-  for (int k = 0; k < beads; ++k) mass += 1 / state.get<bead::InverseMass>(0, k);
+  for (int k = 0; k < beads; ++k) mass += 1 / sim.state().get<bead::InverseMass>(0, k);
   auto const momentum = [&] {
+    auto& state = sim.state();
     auto const view = state.view<Needles>();
     Vec3<double> p = body.momentum(needle::pose(view, 0), needle::twist(view, 0));
     for (int k = 0; k < beads; ++k)
@@ -109,7 +111,7 @@ TEST_CASE("needle and swaged thread gain the momentum of their weight", "[needle
   Vec3<double> const before = momentum();
   for (int s = 0; s < steps; ++s) {
     sim.step(h);
-    pull = std::max(pull, state.get<bead::PeakTension>(0, beads - 2));
+    pull = std::max(pull, sim.state().get<bead::PeakTension>(0, beads - 2));
     Vec3<double> const gained = momentum() - before;
     CHECK(norm(gained - mass * (s + 1) * h * g) < 1e-12 * norm(mass * h * g) * (s + 1));
   }

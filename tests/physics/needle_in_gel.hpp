@@ -2,6 +2,7 @@
 // for nothing.
 #pragma once
 
+#include "physics/back_end.hpp"
 #include "physics/gel.hpp"
 
 namespace test {
@@ -9,7 +10,7 @@ namespace test {
 template <class... Laws>
 struct NeedleInGel : Scene<Gel, ArcNeedle, Coupling<Embedded, Laws...>, Damping, Walls<Sticky>> {};
 
-template <class S, class T, class Backend = Serial>
+template <class S, class T, class Backend = BackEnd>
 Simulation<S, Backend, T> gel_scene(GelBlock const& block, Arc<double> const& arc,
                                     Backend where = {}) {
   int const contacts = contact_points(ArcPoints<double>::over(arc, gel_cell));

@@ -13,13 +13,15 @@
 #include <mpmpbd/mpm/transfer/flip.hpp>
 #include <mpmpbd/scene/simulation.hpp>
 
+#include "physics/back_end.hpp"
+
 namespace test {
 
 using namespace mpmpbd;
 
 template <class Body, class... Effects> struct Layer : Scene<Body, Effects..., Walls<Slip>> {};
 template <class Body, class... Effects>
-using LayerRun = Simulation<Layer<Body, Effects...>, Serial, double>;
+using LayerRun = Simulation<Layer<Body, Effects...>, BackEnd, double>;
 using SlipWalls = Walls<Slip>::Parameters<double>;
 
 // Along an axis of the layer: its middle [cells] and the nodes of the grid.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "physics/back_end.hpp"
 #include "physics/needle_in_gel.hpp"
 
 namespace test {
@@ -26,7 +27,7 @@ struct Line {
   double offset() const { return f / n - slope() * z / n; }
 };
 
-template <class Backend = Serial, class T = double> struct Stroke {
+template <class Backend = BackEnd, class T = double> struct Stroke {
   using Run = Simulation<NeedleInGel<Friction, Drag>, Backend, T>;
   static constexpr double clear = 1, wire = 3e-4, pressure = 4e3;  // [cells], [m], [Pa]
   // A cycle costs as much as if the needle went in so far beyond its depth. In cycles 5 cells deep it was 0.40 to 0.42

@@ -10,6 +10,8 @@
 #include <mpmpbd/scene/simulation.hpp>
 #include <mpmpbd/scene/totals.hpp>
 
+#include "physics/back_end.hpp"
+
 namespace test {
 
 using namespace mpmpbd;
@@ -20,7 +22,7 @@ inline constexpr double omega = 2.0 * pi<double>;  // [rad/s]
 
 template <class Body> struct Flight : Scene<Body> {};
 
-template <class Body, int cells_per_radius, class Backend = Serial, class T = double> class Disc {
+template <class Body, int cells_per_radius, class Backend = BackEnd, class T = double> class Disc {
  public:
   using Transfer = typename Body::Transfer;
   static constexpr double dx = radius / cells_per_radius;
@@ -117,6 +119,7 @@ struct Outcome {
   double kinetic;   // left at the end
   double lost;      // of kinetic + strain energy
   double momentum;  // over the sum of m |v| at the start
+  double rounding;  // that momentum and spin may have on this back end
   std::uint32_t status;
 };
 
@@ -133,6 +136,8 @@ template <class Disc_> Outcome spin(Disc_ disc, double revolutions) {
   o.kinetic = end.kinetic / start.kinetic;
   o.lost = 1.0 - (end.kinetic + end.strain) / start.kinetic;
   o.momentum = norm(end.momentum) / speeds;
+  o.rounding = 1e-12 + share_of_counts<double>(disc.speed_of_gyration(), disc.dx, disc.dt(),
+                                               revolutions / disc.dt(), double(disc.particles()));
   o.status = disc.status();
   return o;
 }

@@ -11,7 +11,7 @@ template <int cells_per_radius, class... Policies> Outcome fly(double revolution
   UNSCOPED_INFO("spin - 1 = " << o.spin - 1.0 << ", after 100 steps " << o.spin_100 << " (PIC "
                               << o.pic << "), kinetic " << o.kinetic << ", lost " << o.lost
                               << ", momentum " << o.momentum);
-  CHECK(o.momentum < 1e-12);
+  CHECK(o.momentum < o.rounding);
   CHECK(o.status == 0);
   return o;
 }

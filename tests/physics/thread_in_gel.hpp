@@ -3,6 +3,7 @@
 
 #include <mpmpbd/pbd/rod_builder.hpp>
 
+#include "physics/back_end.hpp"
 #include "physics/gel.hpp"
 
 namespace test {
@@ -34,7 +35,7 @@ struct ThreadInGel {
     add_thread(rod, std::span<Vec3<double> const>(line), beads(), material());
     return rod;
   }
-  template <class S, class T, class Backend = Serial>
+  template <class S, class T, class Backend = BackEnd>
   Simulation<S, Backend, T> make(Backend backend = {}) const {
     auto const thread = rod<typename S::Rods>();
     auto capacity = thread.capacity();

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "physics/back_end.hpp"
 #include "physics/thread_in_gel.hpp"
 
 namespace test {
@@ -14,6 +15,7 @@ struct ThreadMasses {
   // symplectic step.
   double energy_rise = 0;
   double momentum_error = 0;  // of the sum of sizes at the start
+  double rounding = 0;        // that it may have on this back end
   double slip = 0;            // of a bead across its thread, against the gel around it [cells]
   double energy_left = 1;     // share at the end
   std::uint32_t status = 0;
@@ -30,7 +32,7 @@ struct Tracer {
 
 template <class T> struct KickedThread {
   ThreadInGel thread;
-  Simulation<FreeThreadInGel, Serial, T> run;
+  Simulation<FreeThreadInGel, BackEnd, T> run;
   std::vector<Tracer> tracers;
 
   explicit KickedThread(double mass_ratio)
@@ -114,6 +116,11 @@ template <class T> struct KickedThread {
     }
     return e;
   }
+  double mass() const {
+    double sum = gel_density * double(thread.block.particles()) / 8 * std::pow(gel_cell, 3);
+    for (std::int64_t k = 0; k < thread.beads(); ++k) sum += bead_mass(k);
+    return sum;
+  }
   // Momentum, and the sum of its sizes.
   std::pair<Vec3<double>, double> momentum() const {
     Vec3<double> p{};
@@ -148,6 +155,9 @@ template <class T> ThreadMasses swing(double mass_ratio, int steps) {
     r.energy_rise = std::max(r.energy_rise, (now - least) / e0);
     least = std::min(least, std::exchange(now, 0.0));
   }
+  double const dt = 0.25 * gel_time(), particles = double(scene.thread.block.particles());
+  r.rounding = (sizeof(T) == 4 ? 2e-5 : 1e-12) +
+               share_of_counts<T>(size / scene.mass(), gel_cell, dt, steps, particles);
   r.energy_left = scene.energy() / e0;
   r.status = scene.run.status(0);
   return r;

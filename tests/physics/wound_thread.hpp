@@ -1,6 +1,7 @@
 // A limp thread round half a turn or a full one in gel, 16 segments to an angle of pi, drawn out at one end.
 #pragma once
 
+#include "physics/back_end.hpp"
 #include "physics/drawn_thread.hpp"
 
 namespace test {
@@ -51,7 +52,7 @@ template <class Thread> double turning(Thread const& t) {
   return sum;
 }
 
-template <class T = double, class Backend = Serial>
+template <class T = double, class Backend = BackEnd>
 Wound draw_round(DrawnCase const& c, double speed, Backend where = {}) {
   DrawnThread<Limp, Backend, T> t(c, where);
   Wound w{.track = turning(t)};

@@ -100,7 +100,7 @@ template <class Body> struct Scatter {
   // a row along x from there, and `row.add(n, quad)` adds to its n-th node. `add_previous` adds the same without the impulse of
   // the forces, for transfers that ask. A kernel adds in fixed point: its grid says what one of its counts is (in_counts) and
   // rounds what the nodes get, one after the other (shares). With `driven`, particles have an Acceleration. Returns Fault::speed
-  // where sums of counts hold no more than what a particle brings at a cell per substep, and it was slowed down to that.
+  // where a particle brings more than sums of counts hold (most_cells per substep), and it was slowed down to that.
   template <bool driven = false, class P, class Grid, class S>
   MPMPBD_INLINE static std::uint32_t run(P const& p, Grid const& grid, Lattice<S> const& lattice,
                                          S dt) {
@@ -152,7 +152,7 @@ template <class Body> struct Scatter {
   }
 
   // What a particle brings, in counts of the grid, in which momentum at a cell per substep is as much as mass: it is
-  // scaled down so that no node of the stencil gets more.
+  // scaled down so that no node of the stencil gets more than at the grid's most_cells per substep.
   template <class S, class Grid>
   MPMPBD_INLINE static std::uint32_t count(detail::LaneMomentum<S>& q, Grid const& grid) {
     auto const each_change = [&q](auto const& f) MPMPBD_ALWAYS_INLINE {
@@ -162,9 +162,9 @@ template <class Body> struct Scatter {
     };
     q.value = grid.in_counts(q.value);
     each_change([&grid](auto const& c) MPMPBD_ALWAYS_INLINE { return grid.in_counts(c); });
-    S const fastest = greatest_momentum(q);
-    if (!(fastest > q.value[3])) return 0;
-    S const share = q.value[3] / fastest;
+    S const most = Grid::most_cells * q.value[3], fastest = greatest_momentum(q);
+    if (!(fastest > most)) return 0;
+    S const share = most / fastest;
     q.value = quad<S>(share * q.value[0], share * q.value[1], share * q.value[2], q.value[3]);
     each_change([share](auto const& c) MPMPBD_ALWAYS_INLINE { return share * c; });
     return static_cast<std::uint32_t>(Fault::speed);

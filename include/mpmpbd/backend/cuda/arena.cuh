@@ -21,6 +21,7 @@ template <> struct NumbersOf<float> {
   using Integer = int;
   using Unsigned = unsigned;
   static constexpr float scale = 4194304.0f;  // 2^22
+  static constexpr float most_cells = 1.0f;
   // For |a| up to `scale`, the most that a particle brings to a node: 3 x 2^22 more, and the whole numbers are the last bits
   // of a float, beside others that differences do not have. The sum joins the product before it, and no conversion is waited
   // for. NaN is some number; gather, which finds it, gives its environment up.
@@ -39,6 +40,7 @@ template <> struct NumbersOf<double> {
   using Integer = long long;
   using Unsigned = unsigned long long;
   static constexpr double scale = 17592186044416.0;  // 2^44
+  static constexpr double most_cells = 1024.0;
   __device__ __forceinline__ static Integer nearest(double a) { return __double2ll_rn(a); }
   __device__ __forceinline__ static Integer bits_of_nearest(double a) { return nearest(a); }
 };
@@ -54,7 +56,9 @@ __device__ __forceinline__ void add_counts(typename NumbersOf<T>::Integer* sum,
 // Units of the sums: mass in heaviest particles, momentum in that mass times a cell per substep.
 template <class T> struct FixedPoint {
   static constexpr T scale = NumbersOf<T>::scale;
-  static constexpr T most_masses = 500;        // at a node; 511 fit
+  static constexpr T most_masses = 500;  // at a node; 511 fit
+  // Of momentum over mass that a particle brings, per substep: with no more than most_masses at a node the sums hold it.
+  static constexpr T most_cells = NumbersOf<T>::most_cells;
   static constexpr T greatest_contrast = 100;  // of masses in an environment
 
   T mass;              // counts per kg
@@ -176,7 +180,8 @@ template <class T> struct SumsOfArena {
   Lattice<T> lattice;
   FixedPoint<T> unit;
   T start;  // of running sums
-  // Momentum at a cell per substep counts as much as mass: with no more than most_masses at a node the sums hold it.
+  static constexpr T most_cells = FixedPoint<T>::most_cells;
+  // Momentum at a cell per substep counts as much as mass.
   __device__ __forceinline__ Quad<T> in_counts(Quad<T> const& q) const {
     return quad(q[0] * unit.momentum, q[1] * unit.momentum, q[2] * unit.momentum, q[3] * unit.mass);
   }
