@@ -1,6 +1,7 @@
 // What a step of the suturing scene costs on a CUDA device: 20,000 particles, a needle in tissue, a thread of 20 beads.
 //
-// Rows of CSV, a step's mean and standard deviation over five blocks of steps. `contents` says what moves: `tissue` alone;
+// Rows of CSV, a step's mean and standard deviation over five blocks of steps; `status` is that of all environments together.
+// `contents` says what moves: `tissue` alone;
 // `apart`, needle and thread too, which do not meet it (there is no surface); `contact`, all of it.
 //
 // Usage: bench_device_throughput TABLE... [resident|tiled] [threads=512] [tissue] [apart] [contact] [ENVIRONMENTS...]
@@ -8,6 +9,7 @@
 // environments  2 and 4 substeps, each of the contents (or those named), for as many environments
 // bodies        one environment with larger blocks of tissue; needle and thread apart
 // streams       ten environments, dealt out to 1, 2, 4 and 10 runs with a stream each
+// moved         in contact, 4 substeps: needles are moved at random, and a hundredth of the environments begins anew, each step
 // devices       so many environments (1,056) on each device that there is: on one, then on all at once
 // decisions     the step loop of the suturing task, moved at random: a step is a decision, 20 steps of 4 substeps
 // threads       threads of 100 beads without tissue, hung up at one end: steps of 0.002 s, 2 substeps; `particles` are beads
@@ -20,6 +22,7 @@
 #include <cstdlib>
 #include <functional>
 #include <map>
+#include <random>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -136,6 +139,25 @@ void print(char const* table, char const* form, std::size_t runs, int devices, L
   std::fflush(stdout);
 }
 
+void check(cudaError_t error) {
+  if (error == cudaSuccess) return;
+  std::fprintf(stderr, "%s\n", cudaGetErrorString(error));
+  std::exit(1);
+}
+
+template <class Run> unsigned status_of_all(Run const& run) {
+  unsigned status = 0;
+  for (std::int64_t env = 0; env < run.environments(); ++env) status |= run.status(env);
+  return status;
+}
+
+// Every environment, and what it returns to, as it is in `start`.
+void fill(OnDevice& run, OnHost const& start) {
+  for (std::int64_t env = 0; env < run.environments(); ++env)
+    run.state().copy_environment(env, start.state(), 0);
+  run.remember();
+}
+
 // A run per place.
 void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
   std::vector<OnDevice> runs;
@@ -143,9 +165,7 @@ void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
   std::int64_t environments = 0;
   for (auto const& place : places) {
     OnDevice& run = runs.emplace_back(suturing::options(c.config, place.environments), place.where);
-    for (std::int64_t env = 0; env < place.environments; ++env)
-      run.state().copy_environment(env, c.start.state(), 0);
-    run.remember();
+    fill(run, c.start);
     run.step_where(h, nullptr);  // the first launch loads the program
     run.reset();
     environments += place.environments;
@@ -159,7 +179,7 @@ void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
   };
   auto const m = time_of(environments > 200 ? 4 : 20, step, wait);
   unsigned status = 0;
-  for (auto const& run : runs) status |= run.status(0);
+  for (auto const& run : runs) status |= status_of_all(run);
   print(c.table, runs[0].execution().starts_with("resident") ? "resident" : "tiled", runs.size(),
         devices, load(c.config, c.contents, environments), 1, m, status);
 }
@@ -186,10 +206,75 @@ void bodies(Cuda where) {
   }
 }
 
-void check(cudaError_t error) {
-  if (error == cudaSuccess) return;
-  std::fprintf(stderr, "%s\n", cudaGetErrorString(error));
-  std::exit(1);
+// What moves a run, in the memory of the device: numbers drawn before anything is timed.
+class Hands {
+ public:
+  // Twists in the plane of the suture, at most as fast as the hand of the step loop; and masks for resets.
+  Hands(std::int64_t environments, rl::SuturingTaskConfig const& task)
+      : environments_(static_cast<std::size_t>(environments)) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> share(-1.0f, 1.0f);
+    auto const speed = static_cast<float>(task.hand.speed),
+               rate = static_cast<float>(task.hand.turn_rate);
+    for (float largest : {speed, 0.0f, speed, 0.0f, rate, 0.0f})  // a plane of numbers each
+      for (std::size_t e = 0; e < environments_ * sets; ++e)
+        twists_.push_back(largest * share(random));
+    for (std::size_t e = 0; e < environments_ * sets; ++e) masks_.push_back(random() % 100 == 0);
+    device_twists_ = on_device(twists_), device_masks_ = on_device(masks_);
+  }
+  ~Hands() { cudaFree(device_twists_), cudaFree(device_masks_); }
+
+  // Every 20 steps needles move otherwise.
+  void step(OnDevice& run, double h) {
+    std::size_t const set = count_ / 20 % sets, n = environments_ * sizeof(float);
+    if (count_ % 20 == 0)
+      for (std::size_t a = 0; a < 6; ++a) {
+        Array const velocity =
+            a < 3 ? run.array<needle::LinearVelocity>() : run.array<needle::AngularVelocity>();
+        auto const plane = static_cast<std::size_t>(velocity.strides[2]) * (a % 3);
+        check(cudaMemcpyAsync(velocity.as<float>() + plane,
+                              device_twists_ + (a * sets + set) * environments_, n,
+                              cudaMemcpyDeviceToDevice, nullptr));
+      }
+    run.reset_where(device_masks_ + count_ % sets * environments_);
+    run.step_where(h, nullptr);
+    ++count_;
+  }
+
+ private:
+  static constexpr std::size_t sets = 16;
+  template <class Number> static Number* on_device(std::vector<Number> const& numbers) {
+    void* memory = nullptr;
+    std::size_t const n = numbers.size() * sizeof(Number);
+    check(cudaMalloc(&memory, n));
+    check(cudaMemcpy(memory, numbers.data(), n, cudaMemcpyHostToDevice));
+    return static_cast<Number*>(memory);
+  }
+
+  std::size_t environments_, count_ = 0;
+  std::vector<float> twists_;
+  std::vector<unsigned char> masks_;
+  float* device_twists_;
+  unsigned char* device_masks_;
+};
+
+void moved(std::vector<std::int64_t> counts, Cuda where) {
+  rl::SuturingTaskConfig task;
+  task.scene = config(4);
+  auto const start = stitch(task.scene, steps_to_tissue, Contents::contact);
+  double const h = task.scene.time.step;
+  if (counts.empty()) counts = {10, 132, 264, 528, 1056, 2112, 4224};
+  for (auto n : counts) {
+    OnDevice run(suturing::options(task.scene, n), where);
+    fill(run, start);
+    Hands hands(n, task);
+    auto const step = [&] { hands.step(run, h); };
+    for (int s = 0; s < 200; ++s) step();  // until environments differ
+    run.wait();
+    auto const m = time_of(n > 200 ? 40 : 100, step, [&] { run.wait(); });
+    print("moved", run.execution().starts_with("resident") ? "resident" : "tiled", 1, 1,
+          load(task.scene, Contents::contact, n), 1, m, status_of_all(run));
+  }
 }
 
 void streams(Cuda where) {
@@ -239,7 +324,8 @@ void decisions(std::vector<std::int64_t> counts, Cuda where) {
     auto const m = time_of(
         2, [&] { envs.step_from(envs.actions()); }, wait);
     print("decisions", "automatic", 1, 1, load(c.scene, Contents::contact, n),
-          static_cast<int>(c.episode.decision_interval), m, 0);
+          static_cast<int>(c.episode.decision_interval), m,
+          status_of_all(std::as_const(envs).simulation()));
   }
 }
 
@@ -266,7 +352,7 @@ void threads(std::vector<std::int64_t> counts, Cuda where) {
     auto const m = time_of(
         20, [&] { run.step_where(h, nullptr); }, [&] { run.wait(); });
     print("threads", "alone", 1, 1, {n, beads, substeps, nylon.density, "thread"}, 1, m,
-          run.status(0));
+          status_of_all(run));
   }
 }
 
@@ -297,15 +383,17 @@ int main(int argc, char** argv) {
   std::map<std::string, std::function<void()>> const known{
       {"environments", [&] { environments(counts, contents, where); }},
       {"bodies", [&] { bodies(where); }},
+      {"moved", [&] { moved(counts, where); }},
       {"streams", [&] { streams(where); }},
       {"devices", [&] { devices(counts, where); }},
       {"decisions", [&] { decisions(counts, where); }},
       {"threads", [&] { threads(counts, where); }}};
   for (auto const& table : tables)
     if (!known.contains(table)) {
-      std::fprintf(stderr,
-                   "'%s' is no table: environments, bodies, streams, devices, decisions, threads\n",
-                   table.c_str());
+      std::fprintf(
+          stderr,
+          "'%s' is no table: environments, bodies, moved, streams, devices, decisions, threads\n",
+          table.c_str());
       return 1;
     }
   std::puts(
