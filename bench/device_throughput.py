@@ -18,6 +18,7 @@ RUNS = (
     ("environments", "resident"),
     ("environments", "tiled", "1", "10", "132", "264", "528", "1056"),
     ("bodies", "tiled"),
+    ("moved",),
     ("streams", "resident"),
     ("streams", "tiled"),
     ("devices",),
@@ -29,8 +30,9 @@ PUBLISHED = (
     ("the paper (RTX 4090)", {"1": 5.85, "2": 2.10, "4": 1.70}),
     ("CRESSim-MPM 2.2.0 (H200)", {"1": 4.11, "2": 2.52, "4": 1.97, "10": 1.56}),
 )
-# Of an H200: copy [B/s]; for the fused loop bytes and, in ns, its additions and loads in shared memory and its instructions.
-COPY, BYTES, SHARED_PIPE, ISSUE = 4.24e12, 152, 0.042, 0.043
+# Copies [B/s], by kind of GPU; for the fused loop bytes and, in ns, its additions and loads in shared memory and its instructions.
+COPIES = {"H200": 4.24e12, "H100": 3.0e12}
+BYTES, SHARED_PIPE, ISSUE = 152, 0.042, 0.046
 
 
 def device():
@@ -100,16 +102,32 @@ def components(rows):
     return table(("", "MPM [ms]", "needle, thread, contact, surface [ms]"), lines)
 
 
+def copy_of(gpu):
+    """How fast such a GPU copies [B/s]; None where that was not measured."""
+    return next((speed for name, speed in COPIES.items() if name in gpu), None)
+
+
 def environments(rows):
     lines = []
     for row in rows.all(table="environments"):
-        ns = float(row["ns"])
-        of = [BYTES / COPY * 1e9, SHARED_PIPE, ISSUE] if ns < 1 and row["form"] == "resident" else []
+        ns, copy = float(row["ns"]), copy_of(row["gpu"])
+        of = [BYTES / copy * 1e9, SHARED_PIPE, ISSUE] if copy and ns < 1 and row["form"] == "resident" else []
         shares = [f"{100 * least / ns:.0f}" for least in of] or [""] * 3
         known = [row[name] for name in ("environments", "substeps", "density", "contents", "form")]
         lines.append((*known, time_of(row), f"{ns:.4f}", *shares))
     head = ("environments", "substeps", "density [kg/m^3]", "contents", "form", "ms per step", "ns per particle and substep")
     return table(head + ("of memory [%]", "of shared memory [%]", "of instructions [%]"), lines)
+
+
+def faults(row):
+    names = ("time_step", "not_finite", "inversion", "escape", "speed", "overflow", "fracture", "dimple", "penetration", "solver")
+    return ", ".join(name for bit, name in enumerate(names) if int(row["status"]) >> bit & 1)
+
+
+def moved(rows):
+    found = rows.all(table="moved")
+    lines = [(r["environments"], r["form"], time_of(r), f"{float(r['ns']):.4f}", faults(r)) for r in found]
+    return table(("environments", "form", "ms per step", "ns per particle and substep", "faults of any environment"), lines)
 
 
 def bodies(rows):
@@ -202,9 +220,15 @@ def write(rows, out):
         "## Components\n",
         components(rows),
         "## Environments\n",
-        f"Percentages, of resident rows: of the time that {BYTES} B per particle and substep take at {COPY / 1e12} TB/s; that the fused loop's 108 "
-        f"additions and 27 loads take in shared memory ({SHARED_PIPE} ns\nat best); that its instructions take to be issued ({ISSUE} ns).\n",
+        f"Percentages, of resident rows: of the time that {BYTES} B per particle and substep take to be copied ("
+        + ", ".join(f"{speed / 1e12:g} TB/s on an {name}" for name, speed in COPIES.items())
+        + f"); that the fused loop's 108 additions\nand 27 loads take in shared memory ({SHARED_PIPE} ns at best); that its instructions take to be "
+        f"issued ({ISSUE} ns).\n",
         environments(rows),
+        "## Moved at random\n",
+        "4 substeps, in contact: every 20 steps needles move otherwise, as fast as the hand of the step loop may, and in every step a hundredth of "
+        "the environments,\ndrawn by lot, begins anew. Substeps are fixed, so that some needles are too fast for them.\n",
+        moved(rows),
         "## One larger body\n",
         "4 substeps; needle and thread beside it.\n",
         bodies(rows),
