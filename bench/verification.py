@@ -116,6 +116,10 @@ class Program:
     seconds: dict = dataclasses.field(default_factory=dict)  # by test case
     status: int = 0
 
+    def runs_on_device(self):
+        """Whether the same source is run on a GPU, too (tests/device/CMakeLists.txt)."""
+        return re.search("^// on a device$", self.source.read_text(), re.MULTILINE) is not None
+
     def run(self):
         """Reads the report as it comes: a suite may make a million assertions."""
         kept, infos, test, tags = {}, [], "", ""
@@ -198,7 +202,7 @@ def row_of(case, all_programs):
     checks = [c for p in all_programs for c in p.checks if case["id"] in c.cases]
     if not checks:
         verdict = case["note"] or "**no test**"
-        return f"| {case['id']} | {case['case']} | | | {verdict} | | |", bool(case["note"])
+        return f"| {case['id']} | {case['case']} | | | | {verdict} | | |", bool(case["note"])
     tests = sorted({c.program for c in checks})
     seconds = sum(p.seconds.get(t, 0) for p in all_programs
                   for t in {c.test for c in checks if c.program == p.name})
@@ -209,7 +213,8 @@ def row_of(case, all_programs):
     if case["note"]:
         verdict += f"; {case['note']}"
     made = sum(c.times for c in checks)
-    return (f"| {case['id']} | {case['case']} | {', '.join(f'`{t}`' for t in tests)} | {made} | {verdict} | "
+    device = "yes" if any(p.runs_on_device() for p in all_programs if p.name in tests) else ""
+    return (f"| {case['id']} | {case['case']} | {', '.join(f'`{t}`' for t in tests)} | {device} | {made} | {verdict} | "
             f"{seconds:.1f} | {told} |"), not failed
 
 
@@ -229,13 +234,14 @@ def write_page(path, cases, all_programs, command):
         "threads on the CPU. Seconds are those of the tests, other work may have run beside them.",
         "",
         "The closest call is the comparison that used most of what it is allowed. All of them, with the values printed",
-        "beside each, are in [verification.csv](verification.csv).",
+        "beside each, are in [verification.csv](verification.csv). Device: whether a source of these tests is run on a GPU too, with the",
+        "same scenes ([what it found](device.md)).",
         "",
         f"{held} of {len(rows)} rows hold or say why they are not built;"
         f" {sum(c.times for p in all_programs for c in p.checks)} assertions.",
         "",
-        "| | case | tests | assertions | verdict | s | closest call |",
-        "|---|---|---|---|---|---|---|",
+        "| | case | tests | device | assertions | verdict | s | closest call |",
+        "|---|---|---|---|---|---|---|---|",
         *[line for line, _ in rows],
         "",
     ]
