@@ -110,7 +110,8 @@ template <class Run> Run made(std::int64_t environments, auto... where) {
   return run;
 }
 
-static_assert(fixed_point_scale == cuda::FixedPoint<float>::scale);
+static_assert(quantum_of_sums<float> * cuda::FixedPoint<float>::scale == 1);
+static_assert(quantum_of_sums<double> * cuda::FixedPoint<double>::scale == 1);
 // Of velocities after some steps [m/s].
 template <class Scene> double rounding(int steps) {
   return fixed_point_noise(dx, step / substeps, substeps * steps,

@@ -56,7 +56,8 @@ template <class Body> class Discs {
     }
     auto const all = tissue_totals(run_, 0);
     o.momentum = norm(all.momentum) / (all.mass * std::sqrt(2.0) * speed);
-    o.rounding = 1e-13 + share_of_counts<double>(speed, dx_, dt, steps, double(count()));
+    o.rounding =
+        1e-13 + fixed_point_noise_of_mean(dx_, dt, steps, double(count()), quantum<double>) / speed;
     o.status = run_.status(0);
     return o;
   }

@@ -2,10 +2,10 @@
 // and thread, against what the grid's nodes have gained.
 // seconds: 25
 // processors: 2
+#include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/catalog/suturing.hpp>
 
 #include "catch.hpp"
-#include "physics/back_end.hpp"
 
 #include "physics/needle_in_gel.hpp"
 #include "physics/scales.hpp"
@@ -78,7 +78,7 @@ template <class T> constexpr double rounding = sizeof(T) == 4 ? 1e-6 : 1e-14;
 
 // A straight needle along x through the middle of a block that is held all round.
 template <class T> struct Rod {
-  using Run = Simulation<NeedleOnScales<Friction, Drag>, BackEnd, T>;
+  using Run = Simulation<NeedleOnScales<Friction, Drag>, Serial, T>;
   static constexpr double wire = 3e-4, length = 6.3 * gel_cell;
   Arc<double> arc = straight_needle(length, wire);
   Run run;
@@ -193,7 +193,7 @@ TEST_CASE("needle and thread of several environments feel what they do",
   c.tissue.corner = vec(0.9, 0.7, 0.3);
   c.time.substeps = 1;
   constexpr int environments = 3;
-  Simulation<StitchOnScales, ParallelBackEnd, float> run(suturing::options(c, environments));
+  Simulation<StitchOnScales, Threads, float> run(suturing::options(c, environments));
   for (int e = 0; e < environments; ++e) {
     auto own = c;
     own.tissue.young_modulus *= 1 - 0.1 * e;

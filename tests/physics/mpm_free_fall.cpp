@@ -52,7 +52,7 @@ template <class Body, class T> void check_fall(int particles_per_axis) {
   // Where momentum is rounded when it is shared out, the velocity of a particle walks at random, and C too, whose sum F
   // is. TPIC takes C from slopes: at the edge of a stencil these are many times the weight that a velocity was divided by.
   constexpr double spread = std::is_same_v<typename Body::Transfer, Tpic> ? 300.0 : 12.0;
-  double const walk = 40.0 * test::quantum<T> * std::sqrt(steps),
+  double const walk = test::fixed_point_noise(dx, dt, steps, 27, test::quantum<T>),
                walk_of_F = spread * test::quantum<T> * std::pow(steps, 1.5);
   double const size = 14.0 * dx, speed = g * dt * steps;
   for (std::size_t p = 0; p < at.size(); ++p) {
@@ -62,8 +62,8 @@ template <class Body, class T> void check_fall(int particles_per_axis) {
     auto const F = cast<double>(run.state().template get<particle::Deformation>(0, slot));
     auto const h = double(T(dt));
     auto const fall = vec(0.0, 0.0, g * h * h * steps * (steps + 1) / 2.0);
-    CHECK(norm(x - (at[p] + steps * h * v0 - fall)) < roundings * size + walk * dx * steps);
-    CHECK(norm(v - (v0 - vec(0.0, 0.0, steps * g * h))) < roundings * speed + walk * dx / dt);
+    CHECK(norm(x - (at[p] + steps * h * v0 - fall)) < roundings * size + walk * steps * dt);
+    CHECK(norm(v - (v0 - vec(0.0, 0.0, steps * g * h))) < roundings * speed + walk);
     // A velocity that is uniform to rounding has gradients of rounding / dx.
     CHECK(norm(F - Mat3<double>::identity()) <
           roundings * speed * dt / dx * 16.0 + roundings + walk_of_F);

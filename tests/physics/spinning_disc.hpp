@@ -136,8 +136,9 @@ template <class Disc_> Outcome spin(Disc_ disc, double revolutions) {
   o.kinetic = end.kinetic / start.kinetic;
   o.lost = 1.0 - (end.kinetic + end.strain) / start.kinetic;
   o.momentum = norm(end.momentum) / speeds;
-  o.rounding = 1e-12 + share_of_counts<double>(disc.speed_of_gyration(), disc.dx, disc.dt(),
-                                               revolutions / disc.dt(), double(disc.particles()));
+  o.rounding = 1e-12 + fixed_point_noise_of_mean(disc.dx, disc.dt(), revolutions / disc.dt(),
+                                                 double(disc.particles()), quantum<double>) /
+                           disc.speed_of_gyration();
   o.status = disc.status();
   return o;
 }

@@ -1,12 +1,12 @@
 // The stitch, preset paper: what `./scripts/demo.sh` shows, judged by the same report. Reduced to 3,456 of
 // 20,000 material points; grid, needle, thread, motion and every limit are the preset's.
 // seconds: 40
+#include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>
 #include <mpmpbd/catalog/suturing_report.hpp>
 #include <mpmpbd/io/config.hpp>
 
 #include "catch.hpp"
-#include "physics/back_end.hpp"
 
 using namespace mpmpbd;
 
@@ -19,7 +19,7 @@ SuturingConfig reduced_paper() {
 }
 
 suturing::StitchReport stitch(SuturingConfig const& c, bool coupled) {
-  Simulation<Suturing, test::ParallelBackEnd, float> sim(suturing::options(c));
+  Simulation<Suturing, Threads, float> sim(suturing::options(c));
   suturing::set_up(sim, 0, c);
   if (!coupled) suturing::uncouple(sim, 0);
   suturing::ScriptedHand const hand{c.script()};

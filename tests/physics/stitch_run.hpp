@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
+#include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>
 #include <mpmpbd/io/config.hpp>
 #include <mpmpbd/testing/samples.hpp>
-
-#include "physics/back_end.hpp"
 
 namespace test {
 
@@ -22,7 +21,7 @@ inline mpmpbd::SuturingConfig coarse_stitch(std::vector<std::string> const& sett
   return mpmpbd::io::read_config<mpmpbd::SuturingConfig>(scenes / "coarse.toml", settings);
 }
 
-template <class T> using StitchRun = mpmpbd::Simulation<mpmpbd::Suturing, BackEnd, T>;
+template <class T> using StitchRun = mpmpbd::Simulation<mpmpbd::Suturing, mpmpbd::Serial, T>;
 
 // Moves every particle and bead by up to `size` [m], as rounding might have done.
 template <class T> void shake(StitchRun<T>& run, double size, std::uint64_t seed = 3) {

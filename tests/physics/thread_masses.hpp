@@ -51,12 +51,19 @@ template <class T> struct KickedThread {
   double bead_mass(std::int64_t k) const {
     return 1 / double(run.state().template get<bead::InverseMass>(0, k));
   }
+  double mass_of_beads() const {
+    double sum = 0;
+    for (std::int64_t k = 0; k < thread.beads(); ++k) sum += bead_mass(k);
+    return sum;
+  }
+  double mass() const {  // of gel and thread [kg]
+    return mass_of_beads() +
+           gel_density * double(thread.block.particles()) / 8 * std::pow(gel_cell, 3);
+  }
   // Relative speed of a tenth of shear waves, without momentum in all, and a wave in the gel.
   void kick() {
     double const u = 0.1 * gel_shear_speed();
-    double light = 0, all = 0;
-    for (std::int64_t k = 0; k < thread.beads(); ++k) light += bead_mass(k);
-    all = light + gel_density * double(thread.block.particles()) / 8 * std::pow(gel_cell, 3);
+    double const light = mass_of_beads(), all = mass();
     Vec3<double> const way = vec(0.6, 0.8, 0.0);
     for (std::int64_t i = 0; i < thread.block.particles(); ++i) {
       double const z = (particle(i)[2] / gel_cell - thread.block.low[2]) /
@@ -116,11 +123,6 @@ template <class T> struct KickedThread {
     }
     return e;
   }
-  double mass() const {
-    double sum = gel_density * double(thread.block.particles()) / 8 * std::pow(gel_cell, 3);
-    for (std::int64_t k = 0; k < thread.beads(); ++k) sum += bead_mass(k);
-    return sum;
-  }
   // Momentum, and the sum of its sizes.
   std::pair<Vec3<double>, double> momentum() const {
     Vec3<double> p{};
@@ -156,8 +158,9 @@ template <class T> ThreadMasses swing(double mass_ratio, int steps) {
     least = std::min(least, std::exchange(now, 0.0));
   }
   double const dt = 0.25 * gel_time(), particles = double(scene.thread.block.particles());
-  r.rounding = (sizeof(T) == 4 ? 2e-5 : 1e-12) +
-               share_of_counts<T>(size / scene.mass(), gel_cell, dt, steps, particles);
+  r.rounding =
+      (sizeof(T) == 4 ? 2e-5 : 1e-12) +
+      fixed_point_noise_of_mean(gel_cell, dt, steps, particles, quantum<T>) * scene.mass() / size;
   r.energy_left = scene.energy() / e0;
   r.status = scene.run.status(0);
   return r;

@@ -140,8 +140,8 @@ void compare_in_double() {
   auto const &d = read(device), &s = read(serial);
   char const* name = "tissue and thread in double";
   // The units of its sums are 2^22 times finer than those of float.
-  double const v =
-      std::ldexp(test::fixed_point_noise(dx, step / substeps, substeps), -22);  // [m/s]
+  double const v = test::fixed_point_noise(dx, step / substeps, substeps, 27,
+                                           test::quantum_of_sums<double>);  // [m/s]
   auto within = [&](char const* what, double got, double allowed) {
     check(got < allowed, name, what, got);
   };
