@@ -1,8 +1,8 @@
 // What a step of the suturing scene costs on a CUDA device: 20,000 particles, a needle in tissue, a thread of 20 beads.
 //
-// Rows of CSV, a step's mean and standard deviation over five blocks of steps; `status` is that of all environments together.
-// `contents` says what moves: `tissue` alone;
-// `apart`, needle and thread too, which do not meet it (there is no surface); `contact`, all of it.
+// Rows of CSV, a step's mean and standard deviation over five blocks of steps. `contents` says what moves: `tissue` alone;
+// `apart`, needle and thread too, which do not meet it (there is no surface); `contact`, all of it. `faults`: those that any
+// environment has met.
 //
 // Usage: bench_device_throughput TABLE... [resident|tiled] [threads=512] [tissue] [apart] [contact] [ENVIRONMENTS...]
 //
@@ -28,6 +28,7 @@
 #include <vector>
 
 #include <mpmpbd/backend/cuda.hpp>
+#include <mpmpbd/backend/cuda/memory.cuh>
 #include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/catalog.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>
@@ -128,14 +129,21 @@ Load load(SuturingConfig const& c, Contents contents, std::int64_t environments)
   return {environments, c.tissue.point_count(), c.time.substeps, c.tissue.density,
           names[static_cast<int>(contents)]};
 }
+// Names, with a + between them.
+std::string faults(std::uint32_t status) {
+  std::string met;
+  for (auto const& f : fault_table)
+    if (has(status, f.fault)) met += (met.empty() ? "" : "+") + std::string(f.name);
+  return met;
+}
 void print(char const* table, char const* form, std::size_t runs, int devices, Load const& of,
-           int steps, Milliseconds const& m, unsigned status) {
+           int steps, Milliseconds const& m, std::uint32_t status) {
   auto const particle_substeps =
       static_cast<double>(of.environments * of.particles * of.substeps * steps);
-  std::printf("%s,%s,%zu,%d,%lld,%lld,%lld,%.0f,%s,%.4f,%.4f,%.4f,%u\n", table, form, runs, devices,
+  std::printf("%s,%s,%zu,%d,%lld,%lld,%lld,%.0f,%s,%.4f,%.4f,%.4f,%s\n", table, form, runs, devices,
               static_cast<long long>(of.environments), static_cast<long long>(of.particles),
               static_cast<long long>(of.substeps), of.density, of.contents, m.mean, m.deviation,
-              1e6 * m.mean / particle_substeps, status);
+              1e6 * m.mean / particle_substeps, faults(status).c_str());
   std::fflush(stdout);
 }
 
@@ -145,8 +153,8 @@ void check(cudaError_t error) {
   std::exit(1);
 }
 
-template <class Run> unsigned status_of_all(Run const& run) {
-  unsigned status = 0;
+template <class Run> std::uint32_t status_of_all(Run const& run) {
+  std::uint32_t status = 0;
   for (std::int64_t env = 0; env < run.environments(); ++env) status |= run.status(env);
   return status;
 }
@@ -178,7 +186,7 @@ void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
     for (auto& run : runs) run.step_where(h, nullptr);
   };
   auto const m = time_of(environments > 200 ? 4 : 20, step, wait);
-  unsigned status = 0;
+  std::uint32_t status = 0;
   for (auto const& run : runs) status |= status_of_all(run);
   print(c.table, runs[0].execution().starts_with("resident") ? "resident" : "tiled", runs.size(),
         devices, load(c.config, c.contents, environments), 1, m, status);
@@ -206,56 +214,51 @@ void bodies(Cuda where) {
   }
 }
 
-// What moves a run, in the memory of the device: numbers drawn before anything is timed.
+// What moves a run, in the memory of the device: drawn before anything is timed.
 class Hands {
  public:
   // Twists in the plane of the suture, at most as fast as the hand of the step loop; and masks for resets.
   Hands(std::int64_t environments, rl::SuturingTaskConfig const& task)
-      : environments_(static_cast<std::size_t>(environments)) {
+      : environments_(static_cast<std::size_t>(environments)),
+        twists_(6 * sets * environments_ * sizeof(float)),
+        masks_(sets * environments_) {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> share(-1.0f, 1.0f);
     auto const speed = static_cast<float>(task.hand.speed),
                rate = static_cast<float>(task.hand.turn_rate);
-    for (float largest : {speed, 0.0f, speed, 0.0f, rate, 0.0f})  // a plane of numbers each
-      for (std::size_t e = 0; e < environments_ * sets; ++e)
-        twists_.push_back(largest * share(random));
-    for (std::size_t e = 0; e < environments_ * sets; ++e) masks_.push_back(random() % 100 == 0);
-    device_twists_ = on_device(twists_), device_masks_ = on_device(masks_);
+    std::vector<float> twists;  // (set, component, env): velocity [m/s], turn [rad/s]
+    for (std::size_t set = 0; set < sets; ++set)
+      for (float largest : {speed, 0.0f, speed, 0.0f, rate, 0.0f})
+        for (std::size_t e = 0; e < environments_; ++e) twists.push_back(largest * share(random));
+    std::vector<unsigned char> masks(masks_.bytes());  // (set, env)
+    for (auto& chosen : masks) chosen = random() % 100 == 0;
+    cuda::copy(nullptr, twists_.as(), twists.data(), twists_.bytes(), cudaMemcpyHostToDevice);
+    cuda::copy(nullptr, masks_.as(), masks.data(), masks_.bytes(), cudaMemcpyHostToDevice);
+    check(cudaDeviceSynchronize());
   }
-  ~Hands() { cudaFree(device_twists_), cudaFree(device_masks_); }
 
   // Every 20 steps needles move otherwise.
   void step(OnDevice& run, double h) {
-    std::size_t const set = count_ / 20 % sets, n = environments_ * sizeof(float);
-    if (count_ % 20 == 0)
-      for (std::size_t a = 0; a < 6; ++a) {
-        Array const velocity =
-            a < 3 ? run.array<needle::LinearVelocity>() : run.array<needle::AngularVelocity>();
-        auto const plane = static_cast<std::size_t>(velocity.strides[2]) * (a % 3);
-        check(cudaMemcpyAsync(velocity.as<float>() + plane,
-                              device_twists_ + (a * sets + set) * environments_, n,
-                              cudaMemcpyDeviceToDevice, nullptr));
-      }
-    run.reset_where(device_masks_ + count_ % sets * environments_);
+    if (count_ % 20 == 0) {
+      auto const* const twists = twists_.as<float>() + count_ / 20 % sets * 6 * environments_;
+      move<needle::LinearVelocity>(run, twists);
+      move<needle::AngularVelocity>(run, twists + 3 * environments_);
+    }
+    run.reset_where(masks_.as<unsigned char>() + count_ % sets * environments_);
     run.step_where(h, nullptr);
     ++count_;
   }
 
  private:
   static constexpr std::size_t sets = 16;
-  template <class Number> static Number* on_device(std::vector<Number> const& numbers) {
-    void* memory = nullptr;
-    std::size_t const n = numbers.size() * sizeof(Number);
-    check(cudaMalloc(&memory, n));
-    check(cudaMemcpy(memory, numbers.data(), n, cudaMemcpyHostToDevice));
-    return static_cast<Number*>(memory);
+  // There is a needle in an environment: the planes of its velocity follow one another.
+  template <class Velocity> void move(OnDevice& run, float const* planes) const {
+    cuda::copy(nullptr, run.array<Velocity>().data, planes, 3 * environments_ * sizeof(float),
+               cudaMemcpyDeviceToDevice);
   }
 
   std::size_t environments_, count_ = 0;
-  std::vector<float> twists_;
-  std::vector<unsigned char> masks_;
-  float* device_twists_;
-  unsigned char* device_masks_;
+  cuda::Memory twists_, masks_;
 };
 
 void moved(std::vector<std::int64_t> counts, Cuda where) {
@@ -397,7 +400,7 @@ int main(int argc, char** argv) {
       return 1;
     }
   std::puts(
-      "table,form,runs,devices,environments,particles,substeps,density,contents,ms,deviation,ns,status");
+      "table,form,runs,devices,environments,particles,substeps,density,contents,ms,deviation,ns,faults");
   for (auto const& table : tables) known.at(table)();
   return 0;
 }

@@ -119,14 +119,9 @@ def environments(rows):
     return table(head + ("of memory [%]", "of shared memory [%]", "of instructions [%]"), lines)
 
 
-def faults(row):
-    names = ("time_step", "not_finite", "inversion", "escape", "speed", "overflow", "fracture", "dimple", "penetration", "solver")
-    return ", ".join(name for bit, name in enumerate(names) if int(row["status"]) >> bit & 1)
-
-
 def moved(rows):
     found = rows.all(table="moved")
-    lines = [(r["environments"], r["form"], time_of(r), f"{float(r['ns']):.4f}", faults(r)) for r in found]
+    lines = [(r["environments"], r["form"], time_of(r), f"{float(r['ns']):.4f}", r["faults"].replace("+", ", ")) for r in found]
     return table(("environments", "form", "ms per step", "ns per particle and substep", "faults of any environment"), lines)
 
 
