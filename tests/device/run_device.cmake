@@ -1,8 +1,9 @@
 # cmake -DPROGRAM=... -DDEVICE_PRESENT=... -DEXPECTED=ON|OFF -P run_device.cmake
 #
-# Runs PROGRAM if there is a GPU, which there has to be where one was found when the build was configured. It passes when it exits with 0 and its last line counts at least one
-# check and no failure, as ours or as Catch2's do: a program that ends early does not pass by silence. One that tells the `bits:` of what it has computed
-# has to tell the same ones in another process.
+# Runs PROGRAM if there is a GPU, which there has to be where one was found when the build was configured. It passes when
+# it exits with 0 and its last line counts at least one check and no failure, as ours or as Catch2's do: a program that
+# ends early does not pass by silence. One that tells the `bits:` of what it has computed has to tell the same ones in
+# another process.
 execute_process(COMMAND "${DEVICE_PRESENT}" RESULT_VARIABLE absent)
 if(absent AND EXPECTED)
   message(FATAL_ERROR "nvidia-smi names a GPU, but no kernel runs on it")
