@@ -104,11 +104,13 @@ bool same_bits(std::vector<float> const& a, std::vector<float> const& b) {
 void compare_companies(rl::SuturingTaskConfig const& c) {
   OnDevice many(c, {.num_envs = 200, .seed = 3}), again(c, {.num_envs = 200, .seed = 3}),
       narrow(c, {.num_envs = 200, .seed = 3}, Cuda{.threads = 256}),
+      tiled(c, {.num_envs = 200, .seed = 3}, Cuda{.execution = Cuda::Execution::tiled}),
       alone(c, {.num_envs = 1, .seed = 3, .first_environment = 137});
   auto const first = record(many, 137, 7);
   check(same_bits(first, record(again, 137, 7)), "the same again");
   check(same_bits(first, record(narrow, 137, 7)), "256 threads give the same bits");
   check(same_bits(first, record(alone, 0, 7)), "alone it has the same bits");
+  check(same_bits(first, record(tiled, 137, 7)), "and with launches of their own for every step");
   // Its second episode again, in another's place: what it shows before anything is done is the same.
   many.start(0, 2, 137);
   alone.start(0, 2);

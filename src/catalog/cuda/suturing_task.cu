@@ -1,5 +1,5 @@
 // The suturing task with observations of state, compiled for CUDA devices: what has settings is compiled with the program.
-// Its steps are those of the suturing scene (suturing.cu).
+// A step by itself is that of the suturing scene (suturing.cu); those of a decision are one launch.
 #include <mpmpbd/rl/cuda/episodes.cuh>
 #include <mpmpbd/rl/suturing/parts.hpp>
 

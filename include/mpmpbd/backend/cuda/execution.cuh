@@ -62,6 +62,16 @@ template <class Scene, class T> class ExecutionOnGrid {
       if (is_resident_) return resident_.run(launch, threads_, processors_, shared_limit_, stream);
     tiled_.run(launch, threads_, processors_, shared_limit_, stream);
   }
+  // Several steps in one launch, where a step is one: returns whether it is. Between two, a thread calls between(env) for every
+  // environment.
+  template <class Between>
+  bool run_at_once(Launch<Scene, T> const& launch, int steps, Between const& between,
+                   cudaStream_t stream) const {
+    if constexpr (may_be_resident)
+      if (is_resident_)
+        resident_.run_at_once(launch, steps, between, threads_, processors_, shared_limit_, stream);
+    return is_resident_;
+  }
   std::string why() const {
     if (looks_back)
       return "tiled: FLIP needs the grid before forces too, which does not fit beside the grid in "
@@ -124,6 +134,10 @@ template <class Scene, class T> class ExecutionAlone {
   void take_memory(cudaStream_t) {}
   void run(Launch<Scene, T> const& launch, cudaStream_t stream) const {
     run_alone(launch, environments_, threads_, processors_, stream);
+  }
+  template <class Between>
+  bool run_at_once(Launch<Scene, T> const&, int, Between const&, cudaStream_t) const {
+    return false;
   }
   std::string why() const { return "alone: threads without tissue need no grid"; }
 

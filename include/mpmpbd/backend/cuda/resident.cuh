@@ -47,15 +47,33 @@ template <class Scene> class ResidentBlock {
         arena_(Arena<float>::at(memory, static_cast<int>(launch.step.lattice.count()))),
         found_(*reinterpret_cast<Found*>(memory + found_at(arena_.count))) {}
 
-  __device__ void step() {
+  // So many steps, and what happens to every environment between two of them.
+  template <class Between> __device__ void run(int steps, Between const& between) {
     arena_.clear_sums();
-    for (int s = 0; move_all(s); ++s)
-      if constexpr (Coupling::any) couple_all(s);
+    for (int done = 0;;) {
+      step();
+      if (++done == steps) return;
+      each_environment(between);
+    }
   }
 
  private:
   MPMPBD_HD static constexpr std::int64_t found_at(std::int64_t nodes) {
     return (Arena<float>::bytes(nodes) + 15) / 16 * 16;
+  }
+
+  __device__ void step() {
+    for (int s = 0; move_all(s); ++s)
+      if constexpr (Coupling::any) couple_all(s);
+  }
+  // A thread for each, of as many warps as there are.
+  template <class Between> __device__ void each_environment(Between const& between) const {
+    __syncthreads();
+    std::int64_t const warp = threadIdx.x / Warp::size, warps = blockDim.x / Warp::size;
+    for (std::int64_t env = blockIdx.x + warp * gridDim.x; env < launch_.environments;
+         env += warps * gridDim.x)
+      Warp{}.one([&] { between(env); });
+    __syncthreads();
   }
 
   // Particles and grids of all environments to substep s. Returns whether there is one that still moves.
@@ -229,12 +247,19 @@ template <class Scene> class ResidentBlock {
   Found& found_;
 };
 
-// One step of every environment. 512 threads leave 128 registers: no spills in the loop.
-template <class Scene, int threads>
+// Where a launch is one step.
+struct NothingBetween {
+  __device__ void operator()(std::int64_t) const {}
+};
+
+// Steps of every environment: blocks do not wait for each other between two. 512 threads leave 128 registers: no spills in
+// the loop.
+template <class Scene, int threads, class Between>
 __global__ void __launch_bounds__(threads, 1)
-    step(__grid_constant__ ResidentLaunch<Scene> const launch) {
+    step(__grid_constant__ ResidentLaunch<Scene> const launch, int steps,
+         __grid_constant__ Between const between) {
   alignas(16) extern __shared__ char dynamic_shared_memory[];
-  ResidentBlock<Scene>(launch, dynamic_shared_memory).step();
+  ResidentBlock<Scene>(launch, dynamic_shared_memory).run(steps, between);
 }
 
 // The host's side: memory, and the launch.
@@ -266,8 +291,24 @@ template <class Scene, int most_threads> class ResidentSteps {
 
   // With blocks of so many threads on a device with so many multiprocessors, each of which has `limit` bytes of shared
   // memory to give. Teams get what is left of step.fast_bytes each.
-  void run(Launch<Scene, float> step, int threads, std::int64_t processors, std::int64_t limit,
-           cudaStream_t stream) const;
+  void run(Launch<Scene, float> const& step, int threads, std::int64_t processors,
+           std::int64_t limit, cudaStream_t stream) const;
+  // Several steps in one launch. Between two, a thread calls between(env) for every environment.
+  template <class Between>
+  void run_at_once(Launch<Scene, float> step, int steps, Between const& between, int threads,
+                   std::int64_t processors, std::int64_t limit, cudaStream_t stream) const {
+    auto const blocks = couples ? std::min(environments_, processors) : environments_;
+    auto const teams = teams_for((environments_ + blocks - 1) / blocks, threads);
+    auto const shared = std::clamp(teams * step.fast_bytes, grid_bytes_, limit);
+    step.fast_bytes = shared / teams / 16 * 16;
+    ResidentLaunch<Scene> const launch{step, environments_, static_cast<int>(teams),
+                                       memory_.as<Record>(),
+                                       memory_.as<float4>(grids_at(environments_))};
+    auto const kernel = cuda::step<Scene, most_threads, Between>;
+    reserve_shared(kernel, shared);
+    start(stream, "a step", kernel, blocks, threads, static_cast<std::size_t>(shared), launch,
+          steps, between);
+  }
 
  private:
   static std::size_t grids_at(std::int64_t environments) {
@@ -288,21 +329,13 @@ template <class Scene, int most_threads> class ResidentSteps {
 // Not inline, so that `extern template` keeps the kernel to one source.
 template <class Scene, int most_threads>
 void ResidentSteps<Scene, most_threads>::reserve(std::int64_t bytes) {
-  reserve_shared(cuda::step<Scene, most_threads>, bytes);
+  reserve_shared(cuda::step<Scene, most_threads, NothingBetween>, bytes);
 }
 template <class Scene, int most_threads>
-void ResidentSteps<Scene, most_threads>::run(Launch<Scene, float> step, int threads,
+void ResidentSteps<Scene, most_threads>::run(Launch<Scene, float> const& step, int threads,
                                              std::int64_t processors, std::int64_t limit,
                                              cudaStream_t stream) const {
-  auto const blocks = couples ? std::min(environments_, processors) : environments_;
-  auto const teams = teams_for((environments_ + blocks - 1) / blocks, threads);
-  auto const shared = std::clamp(teams * step.fast_bytes, grid_bytes_, limit);
-  step.fast_bytes = shared / teams / 16 * 16;
-  ResidentLaunch<Scene> const launch{step, environments_, static_cast<int>(teams),
-                                     memory_.as<Record>(),
-                                     memory_.as<float4>(grids_at(environments_))};
-  start(stream, "a step", cuda::step<Scene, most_threads>, blocks, threads,
-        static_cast<std::size_t>(shared), launch);
+  run_at_once(step, 1, NothingBetween{}, threads, processors, limit, stream);
 }
 
 }  // namespace mpmpbd::cuda

@@ -181,12 +181,18 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     }
   };
 
-  void step(Base const& run, double h, unsigned char const* of) const {
+  cuda::Launch<typename Scene_::Stepped, T> launch_of(Base const& run, double h,
+                                                      unsigned char const* of) const {
     using Tables_ = cuda::TablesOf<typename Scene_::Stepped, T>;
-    execution.run(
-        {tables<Tables_>(run.state(), now), run.lattice(), h, run.options().substep_choice(), of,
-         work.as(), static_cast<std::int64_t>(work_stride), work.as<int>(slots_at), fast_bytes},
-        stream);
+    return {tables<Tables_>(run.state(), now),
+            run.lattice(),
+            h,
+            run.options().substep_choice(),
+            of,
+            work.as(),
+            static_cast<std::int64_t>(work_stride),
+            work.as<int>(slots_at),
+            fast_bytes};
   }
   void reset(Base const& run, unsigned char const* of) const {
     constexpr int parts = 8;
@@ -267,8 +273,19 @@ void Simulation<Scene_, Cuda, T>::step_where(double h, unsigned char const* mask
   detail::check_step(h);
   send();
   cuda::OnDevice const here(device_->where.device);
-  device_->step(*this, h, mask);
+  device_->execution.run(device_->launch_of(*this, h, mask), device_->stream);
   device_is_newer_ = true;
+}
+template <class Scene_, class T>
+template <class Between>
+bool Simulation<Scene_, Cuda, T>::steps_at_once(double h, unsigned char const* mask, int steps,
+                                                Between const& between) {
+  detail::check_step(h);
+  send();
+  cuda::OnDevice const here(device_->where.device);
+  device_is_newer_ = true;
+  return device_->execution.run_at_once(device_->launch_of(*this, h, mask), steps, between,
+                                        device_->stream);
 }
 
 template <class Scene_, class T> void* Simulation<Scene_, Cuda, T>::plane_of(int field) const {

@@ -1,4 +1,5 @@
-// What a decision is beside the steps of its scene, on a device: a block for every environment.
+// What a decision is beside the steps of its scene, on a device. Where these are one launch, what lies between two of them is part
+// of it; else it is a launch with a block for every environment.
 #pragma once
 
 #include <mpmpbd/backend/cuda/simulation.cuh>
@@ -46,6 +47,18 @@ template <class Task, class T> struct EpisodeLaunch {
     out.clear(one.env);
     if (asked.episode == 0) return one.next();
     return {asked.episode, asked.as >= 0 ? asked.as : one.env};
+  }
+};
+
+// What two steps of a decision have between them. A function of its own, told little: it must not crowd the registers of
+// what moves particles.
+template <class Task, class T> struct BetweenSteps {
+  EpisodeLaunch<Task, T> launch;
+  __device__ void operator()(std::int64_t env) const { meet(launch, env); }
+
+ private:
+  __device__ __noinline__ static void meet(EpisodeLaunch<Task, T> const& launch, std::int64_t env) {
+    launch.meet(Moment::between, env);
   }
 };
 
@@ -110,10 +123,12 @@ void EpisodesOnDevice<Task, T>::decide(Sim& sim, EpisodeRules const& rules, floa
                 sim.environments(), 128, 0, launch, moment);
   };
   meet(Moment::decide);
-  for (int i = 0; i < steps; ++i) {
-    sim.step_where(h, acts_);
-    meet(i + 1 < steps ? Moment::between : Moment::finish);
-  }
+  if (!sim.steps_at_once(h, acts_, steps, BetweenSteps<Task, T>{launch}))
+    for (int i = 0; i < steps; ++i) {
+      if (i > 0) meet(Moment::between);
+      sim.step_where(h, acts_);
+    }
+  meet(Moment::finish);
 }
 
 template <class Task, class T>

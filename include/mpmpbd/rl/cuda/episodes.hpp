@@ -1,5 +1,5 @@
-// The device's half of a step loop: memory for what environments show and are paid, and one launch between two steps of
-// the scene.
+// The device's half of a step loop: memory for what environments show and are paid, and what is done before, between and
+// after the steps of a decision.
 //
 // This header needs no CUDA compiler. The functions that do are defined in rl/cuda/episodes.cuh; a catalogue compiles
 // them once for a task without its settings (Task::Composition).
