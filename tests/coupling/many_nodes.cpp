@@ -24,7 +24,7 @@ template <class Form> void all_at_once(Rig<double, Form>& r) {
   mpmpbd::connect(mpmpbd::Solo{}, x.incidence, count, reinterpret_cast<bool*>(on.data()),
                   [](int) { return 1.0; });
   auto& c = x.incidence;
-  for (int i = 0; i < c.counters[0]; ++i) {
+  for (int i = 0; i < c.count(); ++i) {
     c.nodes[i].velocity = r.velocity[std::size_t(c.nodes[i].index)];
     c.nodes[i].free_inverse_mass = 1 / r.mass[std::size_t(c.nodes[i].index)];
   }
@@ -36,7 +36,7 @@ template <class Form> void all_at_once(Rig<double, Form>& r) {
         });
     J.push_back(1 / yields * (r.needle.velocity - mpmpbd::grid_velocity(c, q)));
   }
-  for (int i = 0; i < c.counters[0]; ++i)
+  for (int i = 0; i < c.count(); ++i)
     r.velocity[std::size_t(c.nodes[i].index)] +=
         c.nodes[i].free_inverse_mass *
         mpmpbd::sum_over_points(c, i, [&](int q) { return J[std::size_t(q)]; });

@@ -44,14 +44,12 @@ template <class T, class Form_> struct Rig {
   mpmpbd::parameters_t<typename Form::DragLaw, T> drag{};
 
   std::vector<char> memory;
-  std::vector<int> slots;
 
   Rig(int nx, int ny, int nz, T dx) : lattice(mpmpbd::Lattice<T>::make(dx, nx, ny, nz)) {
     auto const n = static_cast<std::size_t>(lattice.count());
     mass.assign(n, T(0));
     inverse_mass.assign(n, Vec3<T>{});
     velocity.assign(n, Vec3<T>{});
-    slots.assign(n, -1);
   }
   int beads() const { return static_cast<int>(bead.size()); }
   int thread_points() const { return capacity().thread_points(); }
@@ -79,7 +77,8 @@ template <class T, class Form_> struct Rig {
     memory.assign(mpmpbd::exchange_bytes<T, Form>(capacity()), 0);
   }
   mpmpbd::ExchangeCapacity capacity() const {
-    return {beads(), needle_points, attached_points, touched_nodes};
+    return {beads(), needle_points, attached_points, touched_nodes,
+            static_cast<int>(lattice.count())};
   }
   mpmpbd::ThreadState<T> thread() {
     return {beads(),
@@ -106,7 +105,7 @@ template <class T, class Form_> struct Rig {
     x.attached_points = attached_points;
     x.friction = friction;
     x.drag = drag;
-    mpmpbd::use_workspace(x, capacity(), memory.data(), slots.data());
+    mpmpbd::use_workspace(x, capacity(), memory.data());
     return x;
   }
   GridNodes<T> nodes() { return {mass.data(), inverse_mass.data(), velocity.data()}; }

@@ -63,18 +63,14 @@ template <class T> struct Points {
   Lattice<T> lattice = Lattice<T>::make(T(dx), 14, 13, 12);
   std::vector<ContactPoint<T>> of;
   ContactPoint<T>* points = nullptr;
-  Incidence<T> incidence{};
-  std::vector<int> slot = std::vector<int>(static_cast<std::size_t>(lattice.count()), -1);
 
   int count() const { return static_cast<int>(of.size()); }
   void gather(Cloud<T> const& cloud) {
     points = of.data();
-    incidence.slot_of_node = slot.data();
-    auto const bytes =
-        TissuePressure::bytes<T, QuadraticBSpline>(count(), cloud.template live<Particles>());
+    auto const bytes = TissuePressure::bytes<T, QuadraticBSpline>(
+        count(), static_cast<int>(lattice.count()), cloud.template live<Particles>());
     std::vector<double> memory(bytes / sizeof(double) + 1);
     TissuePressure::gather<QuadraticBSpline>(Solo{}, cloud, *this, memory.data());
-    CHECK(std::count(slot.begin(), slot.end(), -1) == static_cast<long>(slot.size()));
   }
 };
 

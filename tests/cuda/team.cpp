@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <mpmpbd/backend/cuda/team.cuh>
+#include <mpmpbd/coupling/node_set.hpp>
 
 using namespace mpmpbd;
 
@@ -124,5 +125,32 @@ TEST_CASE("what one lane of a warp writes, the others read after it", "[cuda][te
       });
     });
     CHECK(heard == 64);
+  }
+}
+
+TEST_CASE("a set of nodes is numbered alike by one lane and by a block", "[cuda][team]") {
+  int const nodes = 2000, low = 333, high = 1910;
+  auto const words = static_cast<std::size_t>(NodeSet::words_of(nodes));
+  std::vector<unsigned> bits(words, 0xffffffffu), bits_of_one(bits);
+  std::vector<int> before(words, -7), before_of_one(before);
+  NodeSet::Range range{}, range_of_one{};
+  NodeSet const set{bits.data(), before.data(), &range},
+      of_one{bits_of_one.data(), before_of_one.data(), &range_of_one};
+  auto const fill = [&](auto const& team, NodeSet const& all) {
+    team.one([&] { all.cover(low, high); });
+    team.sync();
+    all.clear(team);
+    team.sync();
+    team.each(700, [&](int i) { all.insert(team, low + i * i * 7 % (high - low + 1)); });
+    team.sync();
+    all.number(team);
+    team.sync();
+  };
+  fill(Solo{}, of_one);
+  for (int threads : {32, 96, 512}) {
+    run_block(threads, [&] { fill(BlockTeam{}, set); });
+    CHECK(bits == bits_of_one);
+    CHECK(before == before_of_one);
+    CHECK(set.members() == of_one.members());
   }
 }

@@ -187,7 +187,7 @@ template <class T> struct BentRest {
     x.points = full.points;
     x.attached_points = full.attached_points;
     x.friction = full.friction;
-    mpmpbd::use_workspace(x, rig.capacity(), memory, rig.slots.data());
+    mpmpbd::use_workspace(x, rig.capacity(), memory);
     mpmpbd::Solo const team;
     mpmpbd::place_thread_points(team, x);
     if (c.how == Bend::two_points) place_on_segments(x, {T(0.2113), T(0.7887)});

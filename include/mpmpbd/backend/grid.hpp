@@ -118,7 +118,6 @@ template <class T, class Move, class Ctx> struct NodeAccess {
   Quad<T>* nodes;
   Ctx const& context;
   void* scratch;
-  int* slot_of_node;
 
   MPMPBD_HD T mass(int i) const { return nodes[i][3]; }
   MPMPBD_HD Vec3<T> velocity(int i) const { return vector_part(nodes[i]); }

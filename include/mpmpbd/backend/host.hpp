@@ -28,13 +28,10 @@ template <class T, class NodeFields> struct Workspace {
   std::vector<StepBounds<T>> bounds;  // per chunk
   std::uint32_t faults_together = 0;  // of stages that run over the whole environment
   std::vector<double> scratch;        // of the coupling
-  std::vector<int> slot_of_node;      // one per node, -1 between two exchanges
 
-  void reserve_scratch(std::size_t bytes, Lattice<T> const& lattice) {
+  void reserve_scratch(std::size_t bytes) {
     std::size_t const n = (bytes + sizeof(double) - 1) / sizeof(double);
     if (scratch.size() < n) scratch.resize(n);
-    if (slot_of_node.size() != static_cast<std::size_t>(lattice.count()))
-      slot_of_node.assign(static_cast<std::size_t>(lattice.count()), -1);
   }
 
   void prepare(Lattice<T> const& lattice, std::int64_t chunks) {
@@ -236,7 +233,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     auto const env = access();
     if constexpr (Scene::has_body) {
       if constexpr (requires { Stage::scratch_bytes(env, context_); })
-        work_.reserve_scratch(Stage::scratch_bytes(env, context_), context_.lattice);
+        work_.reserve_scratch(Stage::scratch_bytes(env, context_));
       work_.faults_together |= Stage::run(Solo{}, env, context_, moved_nodes());
     } else {
       work_.faults_together |= Stage::run(Solo{}, env, context_, NoNodes{});
@@ -256,8 +253,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
   // As the stages of a coupling see them.
   auto moved_nodes() {
     using Move = MoveNodes<typename Scene::Body, typename Scene::Effects>;
-    return NodeAccess<T, Move, Ctx>{work_.nodes.data(), context_, work_.scratch.data(),
-                                    work_.slot_of_node.data()};
+    return NodeAccess<T, Move, Ctx>{work_.nodes.data(), context_, work_.scratch.data()};
   }
 
   // The nodes of a chunk. A stencil's first node grows with the position, so the extreme positions will do.

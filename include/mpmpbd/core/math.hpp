@@ -11,6 +11,7 @@
 
 #include <math.h>
 
+#include <bit>
 #include <concepts>
 
 #include <mpmpbd/core/config.hpp>
@@ -115,6 +116,13 @@ template <class T> MPMPBD_HD constexpr T clamp(T a, T low, T high) {
   return min(max(a, low), high);
 }
 template <class T> MPMPBD_HD constexpr T square(T a) { return a * a; }
+MPMPBD_HD inline int count_ones(unsigned bits) {
+#if defined(__CUDA_ARCH__)
+  return __popc(bits);
+#else
+  return std::popcount(bits);
+#endif
+}
 
 // Machine precision: the distance from 1 to the next number.
 template <class T> inline constexpr T epsilon = T(0);

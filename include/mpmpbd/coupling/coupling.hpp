@@ -30,7 +30,7 @@ struct NoPressure {
   static constexpr bool squeezes = false;
   using Effects = TypeList<>;
   using Reads = Fields<>;
-  template <class T, class Shape> MPMPBD_HD static std::size_t bytes(int, std::int64_t) {
+  template <class T, class Shape> MPMPBD_HD static std::size_t bytes(int, int, std::int64_t) {
     return 0;
   }
   template <class Shape, class Team_, class Env, class X>

@@ -14,6 +14,7 @@ struct BodyCounts {
   int attached_points = 0;
   std::int64_t triangles = 0;
   int column_count[2] = {0, 0};
+  int lattice_nodes = 0;
   bool overflow = false;  // something was left out
 
   // Leaves out what has no place among so many contact points: attachments first, then the needle from its blunt end on, then
@@ -28,7 +29,9 @@ struct BodyCounts {
                attached_points < all.attached_points;
   }
 
-  MPMPBD_HD ExchangeCapacity exchange() const { return {beads, needle_points, attached_points, 0}; }
+  MPMPBD_HD ExchangeCapacity exchange() const {
+    return {beads, needle_points, attached_points, 0, lattice_nodes};
+  }
   MPMPBD_HD std::int64_t columns() const {
     return static_cast<std::int64_t>(column_count[0]) * column_count[1];
   }

@@ -85,6 +85,7 @@ template <class In> struct ExchangeImpulses {
   template <class Env, class Ctx>
   MPMPBD_HD static BodyCounts counts(Env const& env, Ctx const& context) {
     BodyCounts n;
+    n.lattice_nodes = static_cast<int>(context.lattice.count());
     if constexpr (In::has_rods) n.beads = static_cast<int>(env.template live<Beads>());
     if constexpr (In::has_needle)
       if (env.template live<Needles>() > 0) n.needle_points = contact_points(arc_points(context));
@@ -118,8 +119,9 @@ template <class In> struct ExchangeImpulses {
     using T = typename Ctx::Scalar;
     EmbeddedArrays<T, Form> a;
     BodyCounts const n = most(env, context);
-    return a.cut(nullptr, n).used + Pressure::template bytes<T, Shape>(
-                                        n.exchange().points(), env.template live<Particles>());
+    return a.cut(nullptr, n).used +
+           Pressure::template bytes<T, Shape>(n.exchange().points(), n.lattice_nodes,
+                                              env.template live<Particles>());
   }
 
   // Bytes of fast memory (FastMemory) that help.
@@ -144,7 +146,7 @@ template <class In> struct ExchangeImpulses {
     FastMemory fast;
     if constexpr (requires { grid.fast; }) fast = grid.fast;
     std::size_t const used = a.cut(grid.scratch, n, fast).used;
-    auto x = view(env, context, grid, n, a);
+    auto x = view(env, context, n, a);
     auto const end = load_needle(team, env, context, x);
     load_points(team, env, x);
     load_thread(team, env, context, x, a);
@@ -186,9 +188,9 @@ template <class In> struct ExchangeImpulses {
                                                  context.lattice.dx);
   }
 
-  template <class Env, class Ctx, class Grid, class Arrays>
-  MPMPBD_HD static auto view(Env const& env, Ctx const& context, Grid const& grid,
-                             BodyCounts const& n, Arrays const& a) {
+  template <class Env, class Ctx, class Arrays>
+  MPMPBD_HD static auto view(Env const& env, Ctx const& context, BodyCounts const& n,
+                             Arrays const& a) {
     using T = typename Ctx::Scalar;
     ExchangeView<T, Form> x{};
     x.lattice = context.lattice;
@@ -203,7 +205,7 @@ template <class In> struct ExchangeImpulses {
     x.attached_points = n.attached_points;
     x.friction = context.template of<typename Laws::FrictionLaw>();
     x.drag = context.template of<typename Laws::DragLaw>();
-    use_workspace(x, n.exchange(), a.exchange, grid.slot_of_node, a.exchange_fast);
+    use_workspace(x, n.exchange(), a.exchange, a.exchange_fast);
     return x;
   }
 

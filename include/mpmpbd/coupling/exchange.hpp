@@ -149,7 +149,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   // -- the grid's side --------------------------------------------------------------------------------
 
   MPMPBD_HD void load_nodes() const {
-    team.each(x.incidence.counters[0], [&](int i) {
+    team.each(x.incidence.count(), [&](int i) {
       TouchedNode<T>& n = x.incidence.nodes[i];
       n.velocity = n.start = nodes.velocity(n.index);
       n.inverse_mass = nodes.inverse_mass(n.index);
@@ -158,7 +158,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.sync();
   }
   MPMPBD_HD void store_nodes() const {
-    team.each(x.incidence.counters[0], [&](int i) {
+    team.each(x.incidence.count(), [&](int i) {
       TouchedNode<T> const& n = x.incidence.nodes[i];
       nodes.set_velocity(n.index, n.velocity);
     });
@@ -167,7 +167,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   // Velocity changes of all touched nodes by an impulse at every point.
   template <class Impulse, class Use>
   MPMPBD_HD void push_nodes(Impulse const& impulse, Use const& use) const {
-    team.each(x.incidence.counters[0], [&](int i) {
+    team.each(x.incidence.count(), [&](int i) {
       TouchedNode<T>& n = x.incidence.nodes[i];
       Vec3<T> change = sum_over_points(x.incidence, i, impulse);
       for (int a = 0; a < 3; ++a) change[a] *= n.inverse_mass[a];
@@ -262,7 +262,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       stay_alone();
   }
   // Where none is, that motion is the answer.
-  MPMPBD_HD bool touches_tissue() const { return x.incidence.counters[0] > 0; }
+  MPMPBD_HD bool touches_tissue() const { return x.incidence.count() > 0; }
   MPMPBD_HD void stay_alone() const {
     team.each(x.thread.beads, [&](int k) { x.thread_work.trial[k] = x.thread_work.alone[k]; });
     team.one([&] { x.scratch->body() = x.scratch->alone(); });
@@ -300,7 +300,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
                [](TouchedNode<T>& n, Vec3<T> const& dv) { n.change = dv; });
     line_search();
     T const share = x.scratch->share;
-    team.each(x.incidence.counters[0], [&](int i) {
+    team.each(x.incidence.count(), [&](int i) {
       TouchedNode<T>& n = x.incidence.nodes[i];
       n.velocity += share * n.change;
     });
@@ -388,7 +388,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     T const share = x.scratch->share;
     if (share == T(1)) return;
     auto const& t = x.thread_work;
-    team.each(x.incidence.counters[0], [&](int i) {
+    team.each(x.incidence.count(), [&](int i) {
       TouchedNode<T>& n = x.incidence.nodes[i];
       n.velocity = n.start + share * (n.velocity - n.start);
     });

@@ -9,7 +9,7 @@
 
 #include <mpmpbd/core/matrix.hpp>
 #include <mpmpbd/core/status.hpp>
-#include <mpmpbd/coupling/team.hpp>
+#include <mpmpbd/coupling/node_set.hpp>
 
 namespace mpmpbd {
 
@@ -30,52 +30,56 @@ template <class T> struct Incidence {
   int node_capacity;
   int point_capacity;
   int per_point;
-  int* slot_of_node;  // one per lattice node, -1 between two exchanges
-  T* weight;          // per pair; a point that is off keeps none
-  int* node;          // per pair: lattice node
-  int* slot;          // per pair: touched node, -1 for none
-  int* pairs;         // pairs sorted by touched node, then by point
+  NodeSet touched;
+  T* weight;   // per pair; a point that is off keeps none
+  int* node;   // per pair: lattice node
+  int* slot;   // per pair: touched node, -1 for none
+  int* pairs;  // pairs sorted by touched node, then by point
   TouchedNode<T>* nodes;
-  int* counters;  // {touched nodes, entries of pairs}
+  int* entries;  // of `pairs`, how many there are
+
+  // Of touched nodes.
+  MPMPBD_HD int count() const { return touched.members(); }
 };
 
 namespace detail {
 
-inline constexpr int unseen = -1, taken = -2;
-
+// From the first node of a point that is on to the last: a point has its nodes in their order.
 template <class T, class Team_>
-MPMPBD_HD void touch(Team_ const& team, Incidence<T> const& c, int pair) {
-  int const node = c.node[pair];
-  if (!team.claim(c.slot_of_node[node], unseen, taken)) return;
-  int const slot = team.add(c.counters[0], 1);
-  if (slot >= c.node_capacity) return;
-  c.nodes[slot] = TouchedNode<T>{.index = node};
-  c.slot_of_node[node] = slot;
+MPMPBD_HD void cover_points(Team_ const& team, Incidence<T> const& c, int points, bool const* on) {
+  team.groups(1, [&](auto const& group, int) {
+    int low = 1 << 30, beyond = 0;
+    group.each(points, [&](int q) {
+      if (!on[q]) return;
+      low = min(low, c.node[q * c.per_point]);
+      beyond = max(beyond, c.node[(q + 1) * c.per_point - 1] + 1);
+    });
+    low = group.min(low);
+    beyond = -group.min(-beyond);
+    group.one([&] {
+      c.touched.cover(low, beyond - 1);
+      *c.entries = 0;
+    });
+  });
 }
 
-// Too many nodes: the points are taken in order, as many as fit; a point that does not fit is off.
+// Too many nodes: the points are taken in order, as many as fit; a point that does not fit is off. By one lane.
 template <class T> MPMPBD_HD void touch_in_order(Incidence<T> const& c, int points, bool* on) {
-  for (int p = 0; p < points * c.per_point; ++p)
-    if (on[p / c.per_point]) c.slot_of_node[c.node[p]] = unseen;
+  Solo const alone;
+  c.touched.clear(alone);
   int used = 0;
   for (int q = 0; q < points; ++q) {
     if (!on[q]) continue;
-    int fresh = 0;
     int const begin = q * c.per_point, end = begin + c.per_point;
+    auto const fresh = [&](int p) { return c.weight[p] != T(0) && !c.touched.contains(c.node[p]); };
+    int more = 0;
+    for (int p = begin; p < end; ++p) more += fresh(p);
+    on[q] = used + more <= c.node_capacity;
+    if (!on[q]) continue;
     for (int p = begin; p < end; ++p)
-      fresh += c.slot_of_node[c.node[p]] == unseen && c.weight[p] != T(0);
-    if (used + fresh > c.node_capacity) {
-      on[q] = false;
-      continue;
-    }
-    for (int p = begin; p < end; ++p) {
-      int& slot = c.slot_of_node[c.node[p]];
-      if (slot != unseen || c.weight[p] == T(0)) continue;
-      c.nodes[used] = TouchedNode<T>{.index = c.node[p]};
-      slot = used++;
-    }
+      if (fresh(p)) c.touched.insert(alone, c.node[p]);
+    used += more;
   }
-  c.counters[0] = used;
 }
 
 template <class T> MPMPBD_HD void sort_entries(int* entry, int count) {
@@ -87,6 +91,29 @@ template <class T> MPMPBD_HD void sort_entries(int* entry, int count) {
   }
 }
 
+// Numbers the nodes of the points that are on. Returns whether they were too many, and some points switched off.
+template <class T, class Team_>
+MPMPBD_HD bool touch(Team_ const& team, Incidence<T> const& c, int points, bool* on) {
+  cover_points(team, c, points, on);
+  team.sync();
+  c.touched.clear(team);
+  team.sync();
+  team.each(points * c.per_point, [&](int p) {
+    if (on[p / c.per_point] && c.weight[p] != T(0)) c.touched.insert(team, c.node[p]);
+  });
+  team.sync();
+  c.touched.number(team);
+  team.sync();
+  bool const overflow = c.touched.members() > c.node_capacity;
+  team.sync();
+  if (!overflow) return false;
+  team.one([&] { touch_in_order(c, points, on); });
+  team.sync();
+  c.touched.number(team);
+  team.sync();
+  return true;
+}
+
 }  // namespace detail
 
 // Builds the lists from weights and nodes of the points that are on, each as firm as `firmness(q)` in (0, 1] says.
@@ -94,25 +121,19 @@ template <class T> MPMPBD_HD void sort_entries(int* entry, int count) {
 template <class T, class Team_, class Firmness>
 MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int points, bool* on,
                                 Firmness const& firmness) {
+  bool const overflow = detail::touch(team, c, points, on);
+  c.touched.each_member(team,
+                        [&](int slot, int node) { c.nodes[slot] = TouchedNode<T>{.index = node}; });
+  team.sync();
   int const all = points * c.per_point;
-  auto const used = [&](int p) { return on[p / c.per_point] && c.weight[p] != T(0); };
-  team.one([&] { c.counters[0] = c.counters[1] = 0; });
-  team.sync();
   team.each(all, [&](int p) {
-    if (used(p)) detail::touch(team, c, p);
+    bool const used = on[p / c.per_point] && c.weight[p] != T(0);
+    c.slot[p] = used ? c.touched.slot(c.node[p]) : -1;
+    if (used) team.add(c.nodes[c.slot[p]].count, 1);
   });
   team.sync();
-  bool const overflow = c.counters[0] > c.node_capacity;
-  team.sync();
-  if (overflow) team.one([&] { detail::touch_in_order(c, points, on); });
-  team.sync();
-  team.each(all, [&](int p) {
-    c.slot[p] = used(p) ? c.slot_of_node[c.node[p]] : -1;
-    if (c.slot[p] >= 0) team.add(c.nodes[c.slot[p]].count, 1);
-  });
-  team.sync();
-  team.each(c.counters[0], [&](int i) {
-    c.nodes[i].first = team.add(c.counters[1], c.nodes[i].count);
+  team.each(c.count(), [&](int i) {
+    c.nodes[i].first = team.add(*c.entries, c.nodes[i].count);
     c.nodes[i].count = 0;
   });
   team.sync();
@@ -122,12 +143,11 @@ MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int po
     c.pairs[n.first + team.add(n.count, 1)] = p;
   });
   team.sync();
-  team.each(c.counters[0], [&](int i) {
+  team.each(c.count(), [&](int i) {
     TouchedNode<T>& n = c.nodes[i];
     detail::sort_entries<T>(c.pairs + n.first, n.count);
     for (int e = n.first; e < n.first + n.count; ++e)
       n.split += firmness(c.pairs[e] / c.per_point) * abs(c.weight[c.pairs[e]]);
-    c.slot_of_node[n.index] = detail::unseen;
   });
   team.sync();
   return overflow ? static_cast<std::uint32_t>(Fault::overflow) : 0u;

@@ -43,16 +43,15 @@ template <class Group_> concept Group = requires(Group_ const& group, detail::Te
 // each(n, f): f(0) ... f(n-1), spread over the lanes, in no order. one(f): f() on one lane, always the same.
 // groups(n, f): f(group, 0) ... f(group, n-1), each by all lanes of one group, in no order.
 // sync(): what any lane wrote before is seen by all lanes after. Nothing else waits for the team.
-// add(counter, n): adds n, returns the value before. claim(mark, from, to): sets mark to `to` for the
-// one caller that found `from` there, and tells that caller.
+// add(counter, n): adds n, returns the value before. raise(word, bits): sets these bits, and no lane's are lost.
 template <class Team_>
-concept Team = requires(Team_ const& team, detail::TeamProbe f, int& counter) {
+concept Team = requires(Team_ const& team, detail::TeamProbe f, int& counter, unsigned& word) {
   team.each(1, f);
   team.one(f);
   team.groups(1, f);
   team.sync();
   { team.add(counter, 1) } -> std::same_as<int>;
-  { team.claim(counter, 0, 1) } -> std::same_as<bool>;
+  team.raise(word, 1u);
 };
 
 // One lane: a team, and its only group.
@@ -74,11 +73,7 @@ struct Solo {
     counter += amount;
     return before;
   }
-  MPMPBD_HD bool claim(int& mark, int from, int to) const {
-    bool const mine = mark == from;
-    if (mine) mark = to;
-    return mine;
-  }
+  MPMPBD_HD void raise(unsigned& word, unsigned bits) const { word |= bits; }
 };
 
 static_assert(Team<Solo> && Group<Solo>);

@@ -29,24 +29,24 @@ namespace detail {
 template <class T> struct TissueCell {
   Vec<T, 6> stress{};        // sum of V0 tau = V sigma [N m]
   T volume{};                // sum of V0 det F [m^3]
-  int index = 0;             // of its lowest node
   int first = 0, count = 0;  // its particles in `entries`
 };
 
 template <class T> struct TissueCells {
   TissueCell<T>* cells;
-  int* near;          // particles in any of these cells, in no order
-  int* entries;       // the same by cell, then by number
-  int* counters;      // {cells, particles in `near`, particles in `entries`}
-  int* slot_of_cell;  // one per lattice node: -1 before and after
+  int* near;      // particles in any of these cells, in no order
+  int* entries;   // the same by cell, then by number
+  int* counters;  // particles in {`near`, `entries`}
+  NodeSet known;  // the cells, by their lowest nodes
 
   // Cuts the arrays from `memory` (null: only measures). Returns the bytes used.
-  MPMPBD_HD std::size_t cut(void* memory, int cell_capacity, int particles) {
+  MPMPBD_HD std::size_t cut(void* memory, int cell_capacity, int lattice_nodes, int particles) {
     Cutter cutter{static_cast<char*>(memory)};
     cells = cutter.cut<TissueCell<T>>(cell_capacity);
     near = cutter.cut<int>(particles);
     entries = cutter.cut<int>(particles);
-    counters = cutter.cut<int>(3);
+    counters = cutter.cut<int>(2);
+    known.cut(cutter, lattice_nodes);
     return cutter.used;
   }
 };
@@ -66,31 +66,40 @@ template <class Shape, class Team_, class Env, class X> struct TissueStress {
   TissueCells<T> const& c;
 
   MPMPBD_HD void run() const {
-    team.one([&] { c.counters[0] = c.counters[1] = c.counters[2] = 0; });
+    team.one([&] {
+      c.counters[0] = c.counters[1] = 0;
+      c.known.cover(0, static_cast<int>(x.lattice.count()) - 1);
+    });
     team.sync();
-    team.each(x.count(), [&](int q) { mark_cells(q); });
+    c.known.clear(team);
+    team.sync();
+    team.each(x.count(),
+              [&](int q) { for_each_cell(q, [&](int cell, T) { c.known.insert(team, cell); }); });
+    team.sync();
+    c.known.number(team);
+    team.sync();
+    team.each(cell_count(), [&](int i) { c.cells[i] = {}; });
     team.sync();
     team.each(static_cast<int>(env.template live<Particles>()), [&](int p) { find_particle(p); });
     team.sync();
-    team.each(c.counters[0], [&](int i) {
-      c.cells[i].first = team.add(c.counters[2], c.cells[i].count);
+    team.each(cell_count(), [&](int i) {
+      c.cells[i].first = team.add(c.counters[1], c.cells[i].count);
       c.cells[i].count = 0;
     });
     team.sync();
-    team.each(c.counters[1], [&](int n) {
-      TissueCell<T>& cell = c.cells[c.slot_of_cell[cell_of(c.near[n])]];
+    team.each(c.counters[0], [&](int n) {
+      TissueCell<T>& cell = c.cells[c.known.slot(cell_of(c.near[n]))];
       c.entries[cell.first + team.add(cell.count, 1)] = c.near[n];
     });
     team.sync();
-    team.each(c.counters[0], [&](int i) { sum_particles(c.cells[i]); });
+    team.each(cell_count(), [&](int i) { sum_particles(c.cells[i]); });
     team.sync();
     team.each(x.count(), [&](int q) { x.points[q].pressure = pressure_at(q); });
-    team.sync();
-    team.each(c.counters[0], [&](int i) { c.slot_of_cell[c.cells[i].index] = unseen; });
     team.sync();
   }
 
  private:
+  MPMPBD_HD int cell_count() const { return c.known.members(); }
   // Calls f(cell, weight) for the cells around a point, with weights of their centres.
   template <class F> MPMPBD_HD void for_each_cell(int q, F const& f) const {
     T const half = T(0.5) * x.lattice.dx;
@@ -100,24 +109,16 @@ template <class Shape, class Team_, class Env, class X> struct TissueStress {
     for_each_node<Shape>(x.lattice, around,
                          [&](int, int cell, T w, Vec3<T> const&) { f(cell, w); });
   }
-  MPMPBD_HD void mark_cells(int q) const {
-    for_each_cell(q, [&](int cell, T) {
-      if (!team.claim(c.slot_of_cell[cell], unseen, taken)) return;
-      int const slot = team.add(c.counters[0], 1);
-      c.cells[slot] = TissueCell<T>{.index = cell};
-      c.slot_of_cell[cell] = slot;
-    });
-  }
   MPMPBD_HD int cell_of(int p) const {
     Vec3<T> const cells = x.lattice.inverse_dx * env.template get<particle::Position>(p);
     return static_cast<int>(x.lattice.index(static_cast<int>(cells[0]), static_cast<int>(cells[1]),
                                             static_cast<int>(cells[2])));
   }
   MPMPBD_HD void find_particle(int p) const {
-    int const slot = c.slot_of_cell[cell_of(p)];
-    if (slot < 0) return;
-    c.near[team.add(c.counters[1], 1)] = p;
-    team.add(c.cells[slot].count, 1);
+    int const cell = cell_of(p);
+    if (!c.known.contains(cell)) return;
+    c.near[team.add(c.counters[0], 1)] = p;
+    team.add(c.cells[c.known.slot(cell)].count, 1);
   }
   // In the order of their numbers, so that the sum does not depend on who found them first.
   MPMPBD_HD void sum_particles(TissueCell<T>& cell) const {
@@ -133,7 +134,7 @@ template <class Shape, class Team_, class Env, class X> struct TissueStress {
     Vec<T, 6> stress{};
     T volume = T(0);
     for_each_cell(q, [&](int cell, T w) {
-      TissueCell<T> const& tissue = c.cells[c.slot_of_cell[cell]];
+      TissueCell<T> const& tissue = c.cells[c.known.slot(cell)];
       stress += w * tissue.stress;
       volume += w * tissue.volume;
     });
@@ -173,20 +174,20 @@ struct TissuePressure {
   using Reads =
       Fields<particle::Position, particle::Volume, particle::Deformation, particle::KeptStress>;
 
-  // Bytes of work memory for an environment with so many points and particles.
+  // Bytes of work memory for an environment with so many points, nodes and particles.
   template <class T, class Shape>
-  MPMPBD_HD static std::size_t bytes(int points, std::int64_t particles) {
+  MPMPBD_HD static std::size_t bytes(int points, int lattice_nodes, std::int64_t particles) {
     detail::TissueCells<T> c;
-    return c.cut(nullptr, points * nodes_per_point<Shape>, static_cast<int>(particles));
+    return c.cut(nullptr, points * nodes_per_point<Shape>, lattice_nodes,
+                 static_cast<int>(particles));
   }
   // Writes the pressure [Pa] at every point, 0 at those that are no members. Positions, axes and contacts
   // are known.
   template <class Shape, class Team_, class Env, class X>
   MPMPBD_HD static void gather(Team_ const& team, Env const& env, X const& x, void* memory) {
     detail::TissueCells<typename X::Scalar> c;
-    c.cut(memory, x.count() * nodes_per_point<Shape>,
+    c.cut(memory, x.count() * nodes_per_point<Shape>, static_cast<int>(x.lattice.count()),
           static_cast<int>(env.template live<Particles>()));
-    c.slot_of_cell = x.incidence.slot_of_node;
     detail::TissueStress<Shape, Team_, Env, X>{team, env, x, c}.run();
   }
 };

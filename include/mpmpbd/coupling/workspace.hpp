@@ -12,6 +12,7 @@ namespace mpmpbd {
 struct ExchangeCapacity {
   int beads, needle_points, attached_points;
   int touched_nodes;
+  int lattice_nodes;
 
   MPMPBD_HD int thread_points() const { return beads > 1 ? beads : 0; }
   MPMPBD_HD int points() const { return thread_points() + needle_points + attached_points; }
@@ -102,9 +103,10 @@ MPMPBD_HD Cutter cut_workspace(char* memory, FastMemory const& fast, ExchangeCap
   i.node_capacity = c.nodes<typename Form::Shape>();
   i.point_capacity = c.points();
   i.per_point = per_point;
+  i.touched.cut(cutter, c.lattice_nodes);
+  i.entries = cutter.cut_fast<int>(1);
   i.weight = cutter.cut_fast<T>(pairs);
   i.slot = cutter.cut_fast<int>(pairs);
-  i.counters = cutter.cut_fast<int>(2);
   i.pairs = cutter.cut_fast<int>(pairs);
   i.node = cutter.cut_fast<int>(pairs);
   i.nodes = cutter.cut_fast<TouchedNode<T>>(i.node_capacity);
@@ -127,13 +129,11 @@ MPMPBD_HD std::size_t exchange_fast_bytes(ExchangeCapacity const& c) {
 }
 
 // Points the work arrays of x into `memory` (exchange_bytes long, aligned to work_alignment), those that are waited for most
-// into `fast`. `slot_of_node` has one int per lattice node, all -1 before the first exchange; every exchange leaves
-// it so.
+// into `fast`.
 template <class T, class Form>
 MPMPBD_HD void use_workspace(ExchangeView<T, Form>& x, ExchangeCapacity const& c, void* memory,
-                             int* slot_of_node, FastMemory const& fast = {}) {
+                             FastMemory const& fast = {}) {
   detail::cut_workspace<T, Form>(static_cast<char*>(memory), fast, c, x);
-  x.incidence.slot_of_node = slot_of_node;
 }
 
 }  // namespace mpmpbd

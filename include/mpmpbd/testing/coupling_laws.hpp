@@ -74,7 +74,6 @@ template <class Scene_, class T> class CouplingProbe {
 
   explicit CouplingProbe(CouplingCase<Laws_> const& c) : sim_(options()) {
     nodes_.assign(static_cast<std::size_t>(sim_.lattice().count()), quad<T>(0, 0, 0, 0));
-    slots_.assign(nodes_.size(), -1);
     std::vector<Vec3<double>> const one{dx * vec(8.0, 8.0, 8.0)};
     sim_.add_particles(0, one, density, dx * dx * dx / 8);
     sim_.template set<typename Laws_::Strategy>(c.strategy);
@@ -144,7 +143,7 @@ template <class Scene_, class T> class CouplingProbe {
         auto const env = access();
         if constexpr (requires { S::scratch_bytes(env, context); })
           scratch_.resize(S::scratch_bytes(env, context) / sizeof(std::max_align_t) + 1);
-        NodeAccess<T, Move, Ctx> const grid{nodes_.data(), context, scratch_.data(), slots_.data()};
+        NodeAccess<T, Move, Ctx> const grid{nodes_.data(), context, scratch_.data()};
         faults |= run_by_team<S>(Solo{}, env, context, grid);
       }
     });
@@ -235,7 +234,6 @@ template <class Scene_, class T> class CouplingProbe {
 
   Simulation<Scene_, Serial, T> sim_;
   std::vector<Quad<T>> nodes_;
-  std::vector<int> slots_;
   std::vector<std::max_align_t> scratch_;
 };
 

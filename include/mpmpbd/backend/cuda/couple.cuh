@@ -13,7 +13,6 @@ template <class Move, class Ctx> struct NodesOfGrid {
   Velocities<T> velocities;
   Ctx const& context;
   void* scratch;
-  int* slot_of_node;
   FastMemory fast;
 
   MPMPBD_HD T mass(int i) const { return velocities.mass(i); }
@@ -81,7 +80,6 @@ template <class Scene, class T> struct Couple {
     return {nodes,
             context,
             launch.scratch + env * launch.scratch_stride,
-            launch.slot_of_node + env * launch.lattice.count(),
             {fast, static_cast<std::size_t>(fast != nullptr ? launch.fast_bytes : 0)}};
   }
   static std::int64_t capacity(Launch<Scene, T> const&, TypeList<>) { return 0; }

@@ -21,7 +21,6 @@ template <class Scene, class T> struct Launch {
   unsigned char const* mask;  // null: every environment moves, else those where it is not 0
   char* scratch;              // of the coupling, per environment
   std::int64_t scratch_stride;
-  int* slot_of_node;        // of the coupling, per environment and node; -1 between two exchanges
   std::int64_t fast_bytes;  // of shared memory for the team that carries out a coupling
 
   __device__ bool moves(std::int64_t env) const { return mask == nullptr || mask[env] != 0; }

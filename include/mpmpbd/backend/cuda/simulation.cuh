@@ -32,7 +32,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   Execution execution;
   cuda::Memory now, initial, planes, work, mask;
   int plane_count = 0;
-  std::size_t work_stride = 0, slots_at = 0;
+  std::size_t work_stride = 0;
   std::int64_t fast_bytes = 0;  // that help a coupling, in shared memory
 
   Device(Cuda where_, Base const& run)
@@ -157,14 +157,9 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     fast_bytes = static_cast<std::int64_t>(most.fast);
     auto const bytes = Layout::aligned(most.scratch);
     if (bytes <= work_stride) return;
-    auto const n = static_cast<std::size_t>(run.environments());
-    auto const nodes = static_cast<std::size_t>(run.lattice().count());
     work_stride = bytes;
-    slots_at = n * bytes;
     work = cuda::Memory{};
-    work = cuda::Memory(slots_at + n * nodes * sizeof(int));
-    cuda::require(cudaMemsetAsync(work.as(slots_at), 0xff, n * nodes * sizeof(int), stream),
-                  "clearing work memory");
+    work = cuda::Memory(static_cast<std::size_t>(run.environments()) * bytes);
   }
   // The most that a stage asks for an environment: work memory, and how much of it had better be fast.
   struct WorkBytes {
@@ -191,7 +186,6 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
             of,
             work.as(),
             static_cast<std::int64_t>(work_stride),
-            work.as<int>(slots_at),
             fast_bytes};
   }
   void reset(Base const& run, unsigned char const* of) const {

@@ -63,9 +63,7 @@ template <class Team_> struct ThreadsOfBlock {
     for (int i = mine; mine < warps && i < n; i += warps) f(Warp{}, i);
   }
   __device__ int add(int& counter, int amount) const { return atomicAdd(&counter, amount); }
-  __device__ bool claim(int& mark, int from, int to) const {
-    return atomicCAS(&mark, from, to) == from;
-  }
+  __device__ void raise(unsigned& word, unsigned bits) const { atomicOr(&word, bits); }
 
  private:
   __device__ Team_ const& self() const { return static_cast<Team_ const&>(*this); }
