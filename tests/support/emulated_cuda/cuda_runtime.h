@@ -4,11 +4,14 @@
 // thread of the host; they change places at barriers only, in an order drawn from `emulated::seed`. What depends on
 // the order of threads then shows as other bits, and a barrier that not all reach as a deadlock, which is reported.
 //
-// Not emulated: races between two barriers, clusters, more than one block at a time.
+// Races between two barriers are seen where the thread sanitizer is at work (races.hpp).
+//
+// Not emulated: clusters, more than one block at a time.
 #pragma once
 
 #include <ucontext.h>
 
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdio>
@@ -19,6 +22,8 @@
 #include <memory>
 #include <utility>
 #include <vector>
+
+#include "races.hpp"
 
 #define __global__
 #define __device__
@@ -84,25 +89,37 @@ class Block {
   }
   void run() {
     running() = this;
-    while (left_ > 0) resume(next());
+    sanitised_ = races::present();
+    races::arrive(&begun_);
+    {
+      races::Ignored const bookkeeping;
+      while (left_ > 0) resume(next());
+    }
+    races::leave(&ended_);
     running() = nullptr;
   }
   // The present thread waits until `count` threads have come to barrier `id`.
   void wait(unsigned id, unsigned count) {
+    races::Ignored const bookkeeping;
     Barrier& b = barriers_[id];
+    // Two meetings that follow one another are told apart: who is late at the first one knows nothing of the second.
+    char* const meeting = &b.meetings[b.number % 2];
+    races::arrive(meeting);
     if (++b.here == count) {
       b.here = 0;
+      ++b.number;
       for (unsigned t : b.waiting) fibers_[t].waits = false;
       b.waiting.clear();
     } else {
       b.waiting.push_back(threadIdx.x);
       fibers_[threadIdx.x].waits = true;
     }
-    unsigned const self = threadIdx.x;
-    swapcontext(&fibers_[self].context, &scheduler_);
+    rest(threadIdx.x);
+    races::leave(meeting);
   }
   // Whether any thread brings something else than 0.
   bool any(bool value) {
+    races::Ignored const bookkeeping;
     auto const all_are_here = [this] { wait(0, static_cast<unsigned>(fibers_.size())); };
     all_are_here();
     any_ = any_ || value;
@@ -116,6 +133,7 @@ class Block {
   // was there the time before, so two lists that take turns are enough.
   template <class T> auto gather(T value) {
     static_assert(sizeof(T) <= 8);
+    races::Ignored const bookkeeping;
     unsigned const warp = threadIdx.x / 32, lane = threadIdx.x % 32;
     bool const turn = fibers_[threadIdx.x].turn = !fibers_[threadIdx.x].turn;
     auto* values = warps_[warp].bytes[turn ? 1 : 0];
@@ -127,18 +145,17 @@ class Block {
       return from;
     };
   }
-  // A copy of the present thread is made at once or when it waits for it, by lot.
+  // A copy of the present thread is made at once or when it waits for it, by lot; where races are sought, both times.
   void promise(void* to, void const* from, std::size_t bytes) {
-    state_ = state_ * 1664525u + 1013904223u;
-    if ((state_ >> 16) % 2 == 0)
-      std::memcpy(to, from, bytes);
-    else
-      fibers_[threadIdx.x].promised.push_back({to, from, bytes});
+    if (draws_lot() || races::sought) std::memcpy(to, from, bytes);
+    races::Ignored const bookkeeping;
+    fibers_[threadIdx.x].promised.push_back({to, from, bytes});
   }
   void keep_promises() {
-    auto& all = fibers_[threadIdx.x].promised;
+    races::ignore(true);
+    auto const all = std::exchange(fibers_[threadIdx.x].promised, {});
+    races::ignore(false);
     for (Copy const& c : all) std::memcpy(c.to, c.from, c.bytes);
-    all.clear();
   }
 
  private:
@@ -152,15 +169,24 @@ class Block {
   struct Fiber {
     ucontext_t context;
     std::vector<Copy> promised;
+    races::Fiber sanitised = nullptr;
     bool waits = false, ended = false, turn = false;
   };
   struct WarpValues {
     unsigned char bytes[2][32][8];
   };
   struct Barrier {
-    unsigned here = 0;
+    unsigned here = 0, number = 0;
+    char meetings[2] = {};
     std::vector<unsigned> waiting;
   };
+
+  // The threads of all blocks are the same to the sanitizer.
+  static races::Fiber sanitised(unsigned t) {
+    static std::vector<races::Fiber> all;
+    while (all.size() <= t) all.push_back(races::another());  // begins with bookkeeping
+    return all[t];
+  }
 
   // Blocks run one after the other and take the same stacks.
   static char* stack_of(unsigned t) {
@@ -171,16 +197,20 @@ class Block {
   }
   void start(unsigned t) {
     Fiber& f = fibers_[t];
+    f.sanitised = sanitised(t);
     getcontext(&f.context);
     f.context.uc_stack.ss_sp = stack_of(t);
     f.context.uc_stack.ss_size = stack_bytes;
-    f.context.uc_link = &scheduler_;
     makecontext(&f.context, &Block::enter, 0);
     ++left_;
   }
+  // Bookkeeping at its end goes on at the beginning of the thread in the next block.
   static void enter() {
-    running()->kernel_();
     Block& block = *running();
+    races::leave(&block.begun_);
+    races::ignore(false);
+    block.kernel_();
+    races::ignore(true);
     if (!block.fibers_[threadIdx.x].promised.empty()) {
       std::fprintf(stderr, "emulated CUDA: thread %u ends with copies that it has not waited for\n",
                    threadIdx.x);
@@ -188,6 +218,8 @@ class Block {
     }
     block.fibers_[threadIdx.x].ended = true;
     --block.left_;
+    races::arrive(&block.ended_);
+    block.rest(threadIdx.x);
   }
   unsigned next() {
     std::vector<unsigned>& ready = ready_;
@@ -201,12 +233,24 @@ class Block {
       std::fprintf(stderr, "\n");
       std::abort();
     }
-    state_ = state_ * 1664525u + 1013904223u;
+    advance_lot();
     return ready[(state_ >> 8) % ready.size()];
+  }
+  void advance_lot() { state_ = state_ * 1664525u + 1013904223u; }
+  bool draws_lot() {
+    races::Ignored const bookkeeping;
+    advance_lot();
+    return (state_ >> 16) % 2 == 0;
   }
   void resume(unsigned t) {
     threadIdx = {t, 0, 0};
-    swapcontext(&scheduler_, &fibers_[t].context);
+    change(scheduler_, fibers_[t].context, fibers_[t].sanitised);
+  }
+  // Thread t does, until it is resumed.
+  void rest(unsigned t) { change(fibers_[t].context, scheduler_, sanitised_); }
+  static void change(ucontext_t& from, ucontext_t& to, races::Fiber as) {
+    races::change_to(as);
+    swapcontext(&from, &to);
   }
 
   std::function<void()> kernel_;
@@ -214,6 +258,8 @@ class Block {
   unsigned left_ = 0;
   bool any_ = false;
   ucontext_t scheduler_{};
+  races::Fiber sanitised_ = nullptr;
+  char begun_ = 0, ended_ = 0;  // what the threads know of the host, and it of them
   std::vector<Fiber> fibers_;
   std::vector<unsigned> ready_;
   std::map<unsigned, Barrier> barriers_;
@@ -267,12 +313,30 @@ inline long long __double2ll_rn(double a) {
   if (a <= -9223372036854775808.0) return static_cast<long long>(1ull << 63);
   return static_cast<long long>(std::nearbyint(a));
 }
-template <class T> T atomicAdd(T* to, T value) { return std::exchange(*to, static_cast<T>(*to + value)); }
-inline unsigned atomicOr(unsigned* to, unsigned value) { return std::exchange(*to, *to | value); }
-template <class T> T atomicMax(T* to, T value) { return std::exchange(*to, value > *to ? value : *to); }
-template <class T> T atomicMin(T* to, T value) { return std::exchange(*to, value < *to ? value : *to); }
+
+namespace emulated {
+// f(value before) is the value after; atomic for the sanitizer's sake, since threads take turns at barriers alone.
+template <class T, class F> T change(T* number, F const& f) {
+  std::atomic_ref<T> const shared(*number);
+  T const before = shared.load(std::memory_order_relaxed);
+  shared.store(f(before), std::memory_order_relaxed);
+  return before;
+}
+}  // namespace emulated
+template <class T> T atomicAdd(T* to, T value) {
+  return emulated::change(to, [=](T a) { return static_cast<T>(a + value); });
+}
+inline unsigned atomicOr(unsigned* to, unsigned value) {
+  return emulated::change(to, [=](unsigned a) { return a | value; });
+}
+template <class T> T atomicMax(T* to, T value) {
+  return emulated::change(to, [=](T a) { return value > a ? value : a; });
+}
+template <class T> T atomicMin(T* to, T value) {
+  return emulated::change(to, [=](T a) { return value < a ? value : a; });
+}
 inline int atomicCAS(int* to, int expected, int value) {
-  return std::exchange(*to, *to == expected ? value : *to);
+  return emulated::change(to, [=](int a) { return a == expected ? value : a; });
 }
 
 // The run-time, as far as the library uses it.
