@@ -96,7 +96,7 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   void reset_where(unsigned char const* mask);
   // Several steps in one launch, where a step is one and scenes have tissue (resident); else does nothing and returns false.
   // Between two, one thread calls between(env) for every environment, moving or not: a CUDA compiler is needed
-  // (backend/cuda/simulation.cuh). steps >= 1.
+  // (backend/cuda/simulation.cuh). h [s]; fewer steps than 1 throw std::invalid_argument.
   template <class Between>
   bool steps_at_once(double h, unsigned char const* mask, int steps, Between const& between);
   // Sends the state where the host has changed it, and waits until it is there; allocates nothing unless the host changed how

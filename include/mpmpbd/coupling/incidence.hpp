@@ -48,7 +48,7 @@ namespace detail {
 template <class T, class Team_>
 MPMPBD_HD void cover_points(Team_ const& team, Incidence<T> const& c, int points, bool const* on) {
   team.groups(1, [&](auto const& group, int) {
-    int low = 1 << 30, beyond = 0;
+    int low = 1 << 30, beyond = 0;  // further than any node
     group.each(points, [&](int q) {
       if (!on[q]) return;
       low = min(low, c.node[q * c.per_point]);
@@ -56,10 +56,7 @@ MPMPBD_HD void cover_points(Team_ const& team, Incidence<T> const& c, int points
     });
     low = group.min(low);
     beyond = -group.min(-beyond);
-    group.one([&] {
-      c.touched.cover(low, beyond - 1);
-      *c.entries = 0;
-    });
+    group.one([&] { c.touched.cover(low, beyond - 1); });
   });
 }
 
@@ -122,6 +119,7 @@ template <class T, class Team_, class Firmness>
 MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int points, bool* on,
                                 Firmness const& firmness) {
   bool const overflow = detail::touch(team, c, points, on);
+  team.one([&] { *c.entries = 0; });
   c.touched.each_member(team,
                         [&](int slot, int node) { c.nodes[slot] = TouchedNode<T>{.index = node}; });
   team.sync();

@@ -1,5 +1,5 @@
-// A set of nodes of a lattice whose members are numbered in the order of the nodes: a bit for each node, and for every word of
-// them how many members come before.
+// A set of nodes of a lattice whose members are numbered in the order of the nodes (a bit vector with rank): a bit for each
+// node, and for every word of them how many members come before.
 //
 // A number per node would be looked up at once, but lies far away on a device; this fits into fast memory, and needs nothing
 // of the exchange before.
@@ -18,9 +18,9 @@ struct NodeSet {
     int first, words, members;
   };
 
-  unsigned* bits;
-  int* before;   // members in the words before
-  Range* range;  // the words that are in use
+  unsigned* bits;  // words_of(nodes of the lattice), of which range->words are in use
+  int* before;     // as many: members in the words before
+  Range* range;    // the first word in use is that of node range->first * per_word
 
   MPMPBD_HD static int words_of(int lattice_nodes) {
     return (lattice_nodes + per_word - 1) / per_word;
@@ -28,10 +28,12 @@ struct NodeSet {
   // A Cutter (workspace.hpp) says where everything lies.
   template <class Cutter> MPMPBD_HD void cut(Cutter& cutter, int lattice_nodes) {
     int const n = words_of(lattice_nodes);
+    auto const words = [&]<class Word>(Word*& to) {
+      to = n > most_fast_words ? cutter.template cut<Word>(n) : cutter.template cut_fast<Word>(n);
+    };
     range = cutter.template cut_fast<Range>(1);
-    bits = n > most_fast_words ? cutter.template cut<unsigned>(n)
-                               : cutter.template cut_fast<unsigned>(n);
-    before = n > most_fast_words ? cutter.template cut<int>(n) : cutter.template cut_fast<int>(n);
+    words(bits);
+    words(before);
   }
 
   // One lane: nodes lie between `low` and `high`; none with high < low. The team meets between this, clear, insert,
@@ -44,6 +46,7 @@ struct NodeSet {
   template <class Team_> MPMPBD_HD void clear(Team_ const& team) const {
     team.each(range->words, [&](int w) { bits[w] = 0; });
   }
+  // Of nodes that are covered.
   template <class Team_> MPMPBD_HD void insert(Team_ const& team, int node) const {
     team.raise(bits[word(node)], bit(node));
   }

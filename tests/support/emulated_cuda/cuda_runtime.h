@@ -147,7 +147,9 @@ class Block {
   }
   // A copy of the present thread is made at once or when it waits for it, by lot; where races are sought, both times.
   void promise(void* to, void const* from, std::size_t bytes) {
-    if (draws_lot() || races::sought) copy({to, from, bytes});
+    bool const at_once = draws_lot();
+    if (at_once || races::sought) copy({to, from, bytes});
+    if (at_once && !races::sought) return;
     races::Ignored const bookkeeping;
     fibers_[threadIdx.x].promised.push_back({to, from, bytes});
   }

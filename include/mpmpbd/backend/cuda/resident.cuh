@@ -1,5 +1,5 @@
 // Resident execution: a thread block holds the grid of an environment in its shared memory, and all substeps of a step are
-// one launch: scatter, (n - 1) x fused gather and scatter, gather.
+// one launch: scatter, (n - 1) x fused gather and scatter, gather. Several steps may be one launch as well.
 //
 // A coupling is a long row of short stages, each waiting for the one before. So a block of a scene with one carries
 // several environments. Substep by substep it moves their particles, one environment after the other, puts each
@@ -293,24 +293,29 @@ template <class Scene, int most_threads> class ResidentSteps {
   // memory to give. Teams get what is left of step.fast_bytes each.
   void run(Launch<Scene, float> const& step, int threads, std::int64_t processors,
            std::int64_t limit, cudaStream_t stream) const;
-  // Several steps in one launch. Between two, a thread calls between(env) for every environment.
+  // Several steps in one launch. Between two, a thread calls between(env) for every environment. Its kernel is compiled where it
+  // is called.
   template <class Between>
-  void run_at_once(Launch<Scene, float> step, int steps, Between const& between, int threads,
+  void run_at_once(Launch<Scene, float> const& step, int steps, Between const& between, int threads,
                    std::int64_t processors, std::int64_t limit, cudaStream_t stream) const {
+    reserve_shared(cuda::step<Scene, most_threads, Between>, limit);
+    launch(step, steps, between, threads, processors, limit, stream);
+  }
+
+ private:
+  template <class Between>
+  void launch(Launch<Scene, float> step, int steps, Between const& between, int threads,
+              std::int64_t processors, std::int64_t limit, cudaStream_t stream) const {
     auto const blocks = couples ? std::min(environments_, processors) : environments_;
     auto const teams = teams_for((environments_ + blocks - 1) / blocks, threads);
     auto const shared = std::clamp(teams * step.fast_bytes, grid_bytes_, limit);
     step.fast_bytes = shared / teams / 16 * 16;
-    ResidentLaunch<Scene> const launch{step, environments_, static_cast<int>(teams),
-                                       memory_.as<Record>(),
-                                       memory_.as<float4>(grids_at(environments_))};
-    auto const kernel = cuda::step<Scene, most_threads, Between>;
-    reserve_shared(kernel, shared);
-    start(stream, "a step", kernel, blocks, threads, static_cast<std::size_t>(shared), launch,
-          steps, between);
+    ResidentLaunch<Scene> const all{step, environments_, static_cast<int>(teams),
+                                    memory_.as<Record>(),
+                                    memory_.as<float4>(grids_at(environments_))};
+    start(stream, "a step", cuda::step<Scene, most_threads, Between>, blocks, threads,
+          static_cast<std::size_t>(shared), all, steps, between);
   }
-
- private:
   static std::size_t grids_at(std::int64_t environments) {
     return (static_cast<std::size_t>(environments) * sizeof(Record) + 255) / 256 * 256;
   }
@@ -335,7 +340,7 @@ template <class Scene, int most_threads>
 void ResidentSteps<Scene, most_threads>::run(Launch<Scene, float> const& step, int threads,
                                              std::int64_t processors, std::int64_t limit,
                                              cudaStream_t stream) const {
-  run_at_once(step, 1, NothingBetween{}, threads, processors, limit, stream);
+  launch(step, 1, NothingBetween{}, threads, processors, limit, stream);
 }
 
 }  // namespace mpmpbd::cuda

@@ -275,11 +275,15 @@ template <class Between>
 bool Simulation<Scene_, Cuda, T>::steps_at_once(double h, unsigned char const* mask, int steps,
                                                 Between const& between) {
   detail::check_step(h);
+  if (steps < 1)
+    throw std::invalid_argument("mpmpbd Simulation: " + std::to_string(steps) +
+                                " steps at once; give at least 1");
   send();
   cuda::OnDevice const here(device_->where.device);
-  device_is_newer_ = true;
-  return device_->execution.run_at_once(device_->launch_of(*this, h, mask), steps, between,
-                                        device_->stream);
+  bool const taken = device_->execution.run_at_once(device_->launch_of(*this, h, mask), steps,
+                                                    between, device_->stream);
+  device_is_newer_ = device_is_newer_ || taken;
+  return taken;
 }
 
 template <class Scene_, class T> void* Simulation<Scene_, Cuda, T>::plane_of(int field) const {
