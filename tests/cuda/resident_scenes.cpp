@@ -33,6 +33,31 @@ TEMPLATE_TEST_CASE("a scene moves on a device as it does on the host", "[cuda][r
   for (std::int64_t env : {0, 1}) CHECK(same_bits(d, env, std::as_const(other).state(), env));
 }
 
+// Three environments on two multiprocessors: where there is a coupling, one block carries two of them.
+struct CountCalls {
+  int* calls;  // per environment
+  void operator()(std::int64_t env) const { atomicAdd(calls + env, 1); }
+};
+TEMPLATE_TEST_CASE("several steps in one launch are those steps one by one", "[cuda][resident]",
+                   Alone, Squeezed) {
+  auto apart = made<Simulation<TestType, Cuda, float>>(3);
+  auto at_once = made<Simulation<TestType, Cuda, float>>(3);
+  int calls[3] = {};
+  for (int s = 0; s < 4; ++s) apart.step(step);
+  REQUIRE(at_once.steps_at_once(step, nullptr, 4, CountCalls{calls}));
+  for (std::int64_t env : {0, 1, 2}) {
+    CHECK(same_bits(std::as_const(apart).state(), env, std::as_const(at_once).state(), env));
+    CHECK(calls[env] == 3);
+  }
+  CHECK_THROWS_AS(at_once.steps_at_once(step, nullptr, 0, CountCalls{calls}),
+                  std::invalid_argument);
+
+  auto tiled =
+      made<Simulation<TestType, Cuda, float>>(1, Cuda{.execution = Cuda::Execution::tiled});
+  CHECK_FALSE(tiled.steps_at_once(step, nullptr, 4, CountCalls{calls}));
+  CHECK(std::as_const(tiled).state().template get<environment::Step>(0) == 0);
+}
+
 // Without this limit the 32-bit sums of 200 particles at 20 cells per substep would wrap, and tissue would fly off anywhere.
 TEMPLATE_TEST_CASE("what is faster than a cell per substep is slowed down to it on a device",
                    "[cuda][fixed_point]", Alone, Relaxing) {
