@@ -4,7 +4,7 @@
 Usage: check_kernels.py CUOBJDUMP LIBRARY NODES
 
 LIBRARY: an object or archive that holds PTX; NODES: those of a stencil, 27 for quadratic splines. Fails when
-  - a kernel is empty or traps: nvcc has made both of code it did not like, with exit status 0
+  - a kernel, with the functions it calls, is empty or traps: nvcc has made both of code it did not like, with exit status 0
   - anything adds floating-point numbers atomically: its order would show in the bits
   - in the kernel of a form of execution, the fused pass and the last gather do not load a node's velocity and mass at
     once, or the passes that scatter do not add four integers per node: then grid or loop has lost its place in shared
@@ -20,20 +20,32 @@ FLOAT_ATOMIC = re.compile(r"^\s*(?:@!?%p\d+\s+)?((?:atom|red)\.\S*\.(?:f16|f32|f
 FORMS = {"step": ("shared", ["shared"]), "tiled_particles": ("global", ["shared", "global"])}
 ADD = r"\b(?:atom|red)\.{}\.add\.(?:u32|s32)"
 QUAD = r"\bld\.{}\.v4\.(?:f32|b32|u32)"
-KERNEL = re.compile(r"^\.visible \.entry (\w+)\((.*?)(?=^\.(?:visible|weak|func|entry|version)|\Z)", re.M | re.S)
+DEFINITION = re.compile(
+    r"^(?:\.(?:visible|weak) )?\.(entry|func) (?:\(.*?\) )?(\w+)(.*?)(?=^\.(?:visible|weak|func|entry|version)|\Z)", re.M | re.S)
+CALL = re.compile(r"\bcall(?:\.uni)?\s+(?:\([^)]*\),\s*)?(\w+)")
 INSTRUCTION = re.compile(r"^\s*(?:@!?%p\d+\s+)?[a-z][a-z0-9_.:]*\s*.*;", re.M)
 
 
+def with_what_it_calls(body, functions, seen=frozenset()):
+    """The text of a kernel or function, and of those that it calls, each told of once per way to it."""
+    yield body
+    for name in set(CALL.findall(body)) - seen:
+        yield from with_what_it_calls(functions.get(name, ""), functions, seen | {name})
+
+
 def complaints(text, nodes):
-    kernels = KERNEL.findall(text)  # of every architecture, and of every source that has them
+    defined = [found for found in DEFINITION.findall(text) if "{" in found[2]]
+    kernels = [(name, body) for kind, name, body in defined if kind == "entry"]  # of every architecture and source
+    functions = {name: body for kind, name, body in defined if kind == "func"}
     if not kernels:
         yield "there is no kernel"
     for name, body in kernels:
-        count = len(INSTRUCTION.findall(body))
+        whole = "".join(with_what_it_calls(body, functions))
+        count = len(INSTRUCTION.findall(whole))
         print(f"{name}: {count} instructions")
         if count < 20:
             yield f"{name} is empty: {count} instructions"
-        if re.search(r"\btrap;", body):
+        if re.search(r"\btrap;", whole):
             yield f"{name} traps"
     for atomic in FLOAT_ATOMIC.findall(text):
         yield f"an atomic floating-point operation: {atomic}"
