@@ -1,4 +1,4 @@
-"""The suturing task as a vector environment: Gymnasium's words, NumPy arrays that are views of the library's memory."""
+"""The suturing task as a vector environment: Gymnasium's words, arrays that are views of the library's memory."""
 
 import operator
 from functools import cached_property
@@ -28,43 +28,90 @@ def _gymnasium():
     return gymnasium
 
 
+_KDL_CUDA = 2  # of DLPack
+
+
+def _device_number(device):
+    """The number of a CUDA device, None for the host."""
+    name, colon, number = str(device).partition(":")
+    if name == "cpu" and not colon:
+        return None
+    if name == "cuda" and (number.isdecimal() or not colon):
+        return int(number or 0)
+    raise ValueError(f"mpmpbd: device = '{device}'; give 'cpu', 'cuda', or 'cuda:1' and so on")
+
+
 class SuturingVectorEnv(_VectorEnv):
-    """N environments of the suturing task on the threads of this machine.
+    """N environments of the suturing task, on the threads of this machine or on a CUDA device.
 
     Every array that `reset` and `step` return is a view: the same memory each time, with the numbers of the last step.
     Copy what you want to keep. Episode k of environment i is the same, bit for bit, for any `num_envs` and `threads`.
 
     config: a TOML file, a dictionary ({"episode.limit": 50} or nested), or a list of these, later ones over earlier ones.
     autoreset: "same_step" (the last observation of an episode is in info["final_obs"]), "next_step" or "disabled".
-    threads: 0 for as many as the machine has.
+    threads: of the host; 0 for as many as the machine has.
+    device: "cpu", "cuda" or "cuda:1". On a device nothing is copied and nothing waits: actions and masks are taken where they
+        lie, what `step` returns is there when the stream has come to it. NumPy's are copied, which waits.
+    as_array: makes an array of your library from an mpmpbd.Array, without a copy: numpy.asarray (on the host, the default),
+        torch.from_dlpack, cupy.asarray. A device has no default.
+    stream: the CUDA stream of all work, as torch.cuda.Stream.cuda_stream numbers it; 0 is the default stream.
 
     Observations (num_envs, frames, ...) float32 by group; actions (num_envs, 3) in [-1, 1]; reward (num_envs) float32.
     """
 
     def __init__(
-        self, num_envs=1, *, config=None, seed=1, autoreset="same_step", threads=0, first_environment=0
+        self,
+        num_envs=1,
+        *,
+        config=None,
+        seed=1,
+        autoreset="same_step",
+        threads=0,
+        first_environment=0,
+        device="cpu",
+        as_array=None,
+        stream=0,
     ):
         self.num_envs = operator.index(num_envs)
-        self._loop = _core.SuturingLoop(
-            documents(config),
-            num_envs=self.num_envs,
-            seed=operator.index(seed),
-            autoreset=autoreset,
-            first_environment=operator.index(first_environment),
-            threads=operator.index(threads),
-        )
+        number = _device_number(device)
+        self._on_device = number is not None
+        self._as_array = as_array or np.asarray
+        options = {
+            "num_envs": self.num_envs,
+            "seed": operator.index(seed),
+            "autoreset": autoreset,
+            "first_environment": operator.index(first_environment),
+        }
+        if self._on_device:
+            if as_array is None:
+                raise ValueError(
+                    f"mpmpbd: device = '{device}' needs as_array, which makes arrays of your library from "
+                    "memory of the device: torch.from_dlpack, cupy.asarray or the like"
+                )
+            if threads:
+                raise ValueError(f"mpmpbd: threads = {threads} on a device; threads are the host's")
+            if not hasattr(_core, "SuturingLoopOnDevice"):
+                raise RuntimeError(
+                    f"mpmpbd: device = '{device}', and this module was built without CUDA: build it with "
+                    "scripts/python.sh --cuda, or with -DMPMPBD_CUDA=ON"
+                )
+            self._loop = _core.SuturingLoopOnDevice(
+                documents(config), **options, device=number, stream=operator.index(stream)
+            )
+        else:
+            if stream:
+                raise ValueError(f"mpmpbd: stream = {stream} on the host; streams are a device's")
+            self._loop = _core.SuturingLoop(documents(config), **options, threads=operator.index(threads))
         self._autoreset = autoreset
         self._at_start = True
         self.action_size = self._loop.action_size
         self.decision_time = self._loop.decision_time
-        # What other libraries than NumPy may take: torch.from_dlpack(env.observation_arrays["needle_pose"]).
+        # What any library may take: torch.from_dlpack(env.observation_arrays["needle_pose"]).
         self.observation_arrays = self._loop.observations()
         self.outcome_arrays = self._loop.outcome()
-        self._observations = _views(self.observation_arrays)
-        self._final = _views(self._loop.final_observations())
-        outcome = _views(self.outcome_arrays)
-        for flag in ("terminated", "truncated", "diverged", "invalid_action", "restarted"):
-            outcome[flag] = outcome[flag].view(np.bool_)
+        self._observations = self._views(self.observation_arrays)
+        self._final = self._views(self._loop.final_observations())
+        outcome = self._views(self.outcome_arrays)
         self._reward = outcome.pop("reward")
         self._terminated = outcome.pop("terminated")
         self._truncated = outcome.pop("truncated")
@@ -85,8 +132,10 @@ class SuturingVectorEnv(_VectorEnv):
         if mask is not None:
             if seed is not None:
                 raise ValueError("mpmpbd: a seed is of all environments; give seed or reset_mask")
-            mask = np.ascontiguousarray(mask, dtype=np.bool_)
-            self._loop.reset_where(mask.view(np.uint8))
+            if self._lies_here(mask):
+                self._loop.reset_from(mask)
+            else:
+                self._loop.reset_where(np.ascontiguousarray(mask, dtype=np.bool_).view(np.uint8))
         elif seed is not None:
             self._loop.reset(operator.index(seed))
         elif not self._at_start:
@@ -96,12 +145,15 @@ class SuturingVectorEnv(_VectorEnv):
 
     def step(self, actions):
         """One decision everywhere: observations, reward, terminated, truncated, info."""
-        self._loop.step(np.ascontiguousarray(actions, dtype=np.float32))
+        if self._lies_here(actions):
+            self._loop.step_from(actions)
+        else:
+            self._loop.step(np.ascontiguousarray(actions, dtype=np.float32))
         self._at_start = False
         info = dict(self._info)
         if self._autoreset == "same_step":
             done = self._terminated | self._truncated
-            if done.any():
+            if self._on_device or done.any():  # to look at a device's would be to wait for it
                 info["final_obs"] = dict(self._final)
                 info["_final_obs"] = done
         return dict(self._observations), self._reward, self._terminated, self._truncated, info
@@ -114,7 +166,7 @@ class SuturingVectorEnv(_VectorEnv):
 
     def state(self, name):
         """A field of the scene, (env, slot, component): a read-only view. `fields` says which there are."""
-        return np.asarray(self._loop.state(name))
+        return self._as_array(self._loop.state(name))
 
     def live(self, domain):
         """How many slots of a domain ("particle", "bead", ...) each environment uses; the others are zero."""
@@ -146,8 +198,8 @@ class SuturingVectorEnv(_VectorEnv):
         spaces = _gymnasium().spaces
         return spaces.Dict(
             {
-                name: spaces.Box(-np.inf, np.inf, view.shape[1:], view.dtype)
-                for name, view in self._observations.items()
+                name: spaces.Box(-np.inf, np.inf, array.shape[1:], np.dtype(array.typestr))
+                for name, array in self.observation_arrays.items()
             }
         )
 
@@ -169,6 +221,10 @@ class SuturingVectorEnv(_VectorEnv):
 
         return batch_space(self.single_action_space, self.num_envs)
 
+    def _views(self, arrays):
+        return {name: self._as_array(array) for name, array in arrays.items()}
 
-def _views(arrays):
-    return {name: np.asarray(array) for name, array in arrays.items()}
+    def _lies_here(self, numbers):
+        """Whether the environments can take them from the memory of a device."""
+        where = getattr(numbers, "__dlpack_device__", None)
+        return self._on_device and where is not None and where()[0] == _KDL_CUDA

@@ -1,15 +1,5 @@
 #include "array.hpp"
 
-#include <cstdint>
-#include <string>
-
-#include <mpmpbd/io/dlpack.hpp>
-
-#if !defined(MPMPBD_HAS_DLPACK)
-#error \
-    "mpmpbd: the Python module needs the header of DLPack: scripts/setup.sh python installs it (libdlpack-dev)"
-#endif
-
 namespace mpmpbd::python {
 
 namespace {
@@ -17,9 +7,6 @@ namespace {
 std::string text_of(py::handle object) { return py::str(object); }
 
 // A consumer that has taken a tensor renames its capsule and calls its deleter when it is done.
-template <class Managed> constexpr char const* capsule_name = "dltensor";
-template <> constexpr char const* capsule_name<io::DlpackVersioned> = "dltensor_versioned";
-
 template <class Managed> py::object capsule(SharedArray const& a) {
   auto* const tensor = io::to_dlpack<Managed>(a.array, a.owner);
   PyObject* const made = PyCapsule_New(tensor, capsule_name<Managed>, [](PyObject* self) {
@@ -32,12 +19,6 @@ template <class Managed> py::object capsule(SharedArray const& a) {
     throw py::error_already_set();
   }
   return py::reinterpret_steal<py::object>(made);
-}
-
-// Streams as the array protocols number them: 1 is the default stream, which CUDA writes as a null pointer.
-std::int64_t stream_number(Place const& place) {
-  auto const handle = static_cast<std::int64_t>(reinterpret_cast<std::intptr_t>(place.stream));
-  return handle == 0 ? 1 : handle;
 }
 
 // Nothing is waited for: the consumer has to work on the stream that writes the array, or say by -1 that it keeps order itself.
@@ -83,6 +64,7 @@ py::tuple tuple_of(std::int64_t const* numbers, int count, std::int64_t factor =
 std::string type_string(ElementType element) {
   char const kind = element.kind == NumberKind::real      ? 'f'
                     : element.kind == NumberKind::integer ? 'i'
+                    : element.kind == NumberKind::flag    ? 'b'
                                                           : 'u';
   return std::string(element.bytes == 1 ? "|" : "<") + kind + std::to_string(element.bytes);
 }
@@ -104,6 +86,14 @@ py::dict interface(Array const& a, MemorySpace memory, char const* name) {
 }
 
 }  // namespace
+
+std::int64_t stream_number(Place const& place) {
+  auto const handle = static_cast<std::int64_t>(reinterpret_cast<std::intptr_t>(place.stream));
+  return handle == 0 ? 1 : handle;
+}
+void* stream_of(std::uintptr_t number) {
+  return number == 1 ? nullptr : reinterpret_cast<void*>(number);
+}
 
 void declare_array(py::module_& module) {
   py::class_<SharedArray>(
@@ -140,6 +130,8 @@ void declare_array(py::module_& module) {
                              })
       .def_property_readonly(
           "shape", [](SharedArray const& a) { return tuple_of(a.array.shape, a.array.axes); })
+      .def_property_readonly("typestr",
+                             [](SharedArray const& a) { return type_string(a.array.element); })
       .def_property_readonly("read_only", [](SharedArray const& a) { return a.array.read_only; })
       .def("__repr__", [](SharedArray const& a) {
         auto const shape = tuple_of(a.array.shape, a.array.axes);

@@ -3,11 +3,18 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include <mpmpbd/core/array.hpp>
+#include <mpmpbd/io/dlpack.hpp>
+
+#if !defined(MPMPBD_HAS_DLPACK)
+#error \
+    "mpmpbd: the Python module needs the header of DLPack: scripts/setup.sh python installs it (libdlpack-dev)"
+#endif
 
 namespace mpmpbd::python {
 
@@ -20,6 +27,21 @@ struct SharedArray {
 };
 
 void declare_array(py::module_& module);
+
+// What the capsule of a tensor is called until somebody takes the tensor.
+template <class Managed> inline constexpr char const* capsule_name = "dltensor";
+template <> inline constexpr char const* capsule_name<io::DlpackVersioned> = "dltensor_versioned";
+
+// Streams as the array protocols number them: 1 is the default stream, which CUDA writes as a null pointer.
+std::int64_t stream_number(Place const& place);
+void* stream_of(std::uintptr_t number);
+
+// (2, 3)
+template <class Numbers> std::string shape_text(Numbers const& shape) {
+  std::string text = "(";
+  for (auto n : shape) text += (text.size() > 1 ? ", " : "") + std::to_string(n);
+  return text + ")";
+}
 
 // {name: array}
 inline py::dict dict_of(std::vector<NamedArray> const& all,

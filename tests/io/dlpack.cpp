@@ -57,6 +57,19 @@ TEST_CASE("a tensor keeps its memory alive until it is given back", "[io][dlpack
   CHECK(watch.expired());
 }
 
+TEST_CASE("flags are of the type that DLPack has for them", "[io][dlpack]") {
+  std::vector<unsigned char> flags{0, 1, 1};
+  std::int64_t const shape[] = {3};
+  auto array = contiguous_array(flags.data(), shape);
+  array.element = element_type<bool>;
+  auto* const tensor = io::to_dlpack(array, nullptr);
+  CHECK(tensor->dl_tensor.dtype.code == 6);  // kDLBool of DLPack 1.0
+  CHECK(tensor->dl_tensor.dtype.bits == 8);
+  tensor->deleter(tensor);
+  CHECK(array.as<unsigned char>() == flags.data());
+  CHECK_THROWS_AS(array.as<float>(), std::invalid_argument);
+}
+
 TEST_CASE("read-only is said by DLPack 1.0, and refused to those before", "[io][dlpack]") {
   std::vector<std::int64_t> const numbers(6);
   std::int64_t const shape[] = {2, 3};

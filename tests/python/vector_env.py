@@ -190,6 +190,10 @@ class Refusals(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, sentence):
                 what()
 
+    def test_a_device_that_is_not_there_is_refused(self):
+        with self.assertRaisesRegex(RuntimeError, "built without CUDA|device 99 asked for"):
+            make(device="cuda:99", as_array=lambda array: array)
+
     def test_an_invalid_action_ends_its_own_episode(self):
         env = make()
         env.reset()

@@ -97,6 +97,8 @@ TEST_CASE("arrays by name show every step where they lie", "[rl][vector_env][arr
   CHECK(std::vector<std::int64_t>(seen[1].array.shape, seen[1].array.shape + seen[1].array.axes) ==
         std::vector<std::int64_t>{3, 2, 13, 1});
   CHECK(paid[0].name == "reward");
+  CHECK(paid[1].array.element == element_type<bool>);
+  CHECK(paid[1].array.as<unsigned char>() == envs.outcome().terminated.data());
   CHECK(paid[6].array.element == element_type<std::int32_t>);
   CHECK(paid[9].array.size() == 3 * Envs::term_count);
   for (int step = 0; step < 3; ++step) {

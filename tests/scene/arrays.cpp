@@ -111,6 +111,7 @@ TEST_CASE("arrays without gaps have the last axis fastest", "[scene][arrays]") {
   CHECK(all.strides[1] == 4);
   CHECK(all.strides[2] == 1);
   CHECK(element_type<unsigned char> == ElementType{NumberKind::natural, 1});
+  CHECK(element_type<bool> == ElementType{NumberKind::flag, 1});
   CHECK_THROWS_WITH(contiguous_array(numbers.data(), std::vector<std::int64_t>(7, 1)),
                     Contains("7 axes") && Contains("at most 6"));
 }

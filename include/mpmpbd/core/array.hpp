@@ -15,7 +15,8 @@
 
 namespace mpmpbd {
 
-enum class NumberKind { integer, natural, real };  // with a sign, without, floating point
+// With a sign, without, floating point, and flags: bytes that are 0 or 1.
+enum class NumberKind { integer, natural, real, flag };
 
 struct ElementType {
   NumberKind kind = NumberKind::real;
@@ -23,9 +24,10 @@ struct ElementType {
   bool operator==(ElementType const&) const = default;
 };
 template <class E>
-inline constexpr ElementType element_type{std::is_floating_point_v<E> ? NumberKind::real
-                                          : std::is_signed_v<E>       ? NumberKind::integer
-                                                                      : NumberKind::natural,
+inline constexpr ElementType element_type{std::is_same_v<E, bool>       ? NumberKind::flag
+                                          : std::is_floating_point_v<E> ? NumberKind::real
+                                          : std::is_signed_v<E>         ? NumberKind::integer
+                                                                        : NumberKind::natural,
                                           static_cast<int>(sizeof(E))};
 
 enum class MemorySpace { host, cuda };
@@ -55,9 +57,11 @@ struct Array {
     for (int a = 0; a < axes; ++a) n *= shape[a];
     return n;
   }
-  // As numbers of their own type; throws std::invalid_argument for another.
+  // As numbers of their own type, flags as `unsigned char`; throws std::invalid_argument for another.
   template <class E> E* as() const {
-    if (element_type<std::remove_const_t<E>> != element)
+    using Element = std::remove_const_t<E>;
+    constexpr bool byte = std::is_same_v<Element, unsigned char>;
+    if (element_type<Element> != element && !(byte && element == element_type<bool>))
       throw std::invalid_argument("mpmpbd: an array of numbers of " +
                                   std::to_string(element.bytes) +
                                   " bytes was asked for as another type; see `element`");

@@ -36,6 +36,7 @@ struct DlpackVersioned {
 };
 inline constexpr std::uint64_t dlpack_read_only = 1;
 #endif
+inline constexpr int dlpack_bool = 6;  // kDLBool, since 1.0
 
 namespace detail {
 
@@ -46,9 +47,10 @@ template <class Managed> struct DlpackHolder {
 };
 
 inline DLDataType dlpack_type(ElementType element) {
-  DLDataTypeCode const code = element.kind == NumberKind::real      ? kDLFloat
-                              : element.kind == NumberKind::integer ? kDLInt
-                                                                    : kDLUInt;
+  int const code = element.kind == NumberKind::real      ? kDLFloat
+                   : element.kind == NumberKind::integer ? kDLInt
+                   : element.kind == NumberKind::flag    ? dlpack_bool
+                                                         : kDLUInt;
   return {static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(8 * element.bytes), 1};
 }
 

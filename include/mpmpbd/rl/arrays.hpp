@@ -73,7 +73,7 @@ template <class Envs> std::vector<NamedArray> final_observation_arrays(Envs& env
 }
 
 // The members of StepOutcome by their names: (num_envs), and (num_envs, terms or metrics) in the order of term_names(),
-// metric_names().
+// metric_names(). Flags say that they are flags.
 template <class Envs> std::vector<NamedArray> outcome_arrays(Envs& envs) {
   auto const placed = detail::outcome_of(envs);
   OutcomeArrays const& out = placed.arrays;
@@ -83,16 +83,20 @@ template <class Envs> std::vector<NamedArray> outcome_arrays(Envs& envs) {
     std::int64_t const shape[] = {envs.num_envs()};
     all.push_back({name, contiguous_array(numbers, shape, place)});
   };
+  auto flags = [&](char const* name, unsigned char* bytes) {
+    per_env(name, bytes);
+    all.back().array.element = element_type<bool>;
+  };
   auto table = [&](char const* name, auto* numbers, std::int64_t columns) {
     std::int64_t const shape[] = {envs.num_envs(), columns};
     all.push_back({name, contiguous_array(numbers, shape, place)});
   };
   per_env("reward", out.reward);
-  per_env("terminated", out.terminated);
-  per_env("truncated", out.truncated);
-  per_env("diverged", out.diverged);
-  per_env("invalid_action", out.invalid_action);
-  per_env("restarted", out.restarted);
+  flags("terminated", out.terminated);
+  flags("truncated", out.truncated);
+  flags("diverged", out.diverged);
+  flags("invalid_action", out.invalid_action);
+  flags("restarted", out.restarted);
   per_env("episode_length", out.episode_length);
   per_env("status", out.status);
   table("terms", out.terms, Envs::term_count);
