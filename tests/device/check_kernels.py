@@ -4,7 +4,8 @@
 Usage: check_kernels.py CUOBJDUMP LIBRARY NODES
 
 LIBRARY: an object or archive that holds PTX; NODES: those of a stencil, 27 for quadratic splines. Fails when
-  - a kernel, with the functions it calls, is empty or traps: nvcc has made both of code it did not like, with exit status 0
+  - a kernel is empty, or it or a function it calls traps: nvcc has made both of code it did not like, with exit status 0
+  - a kernel is no more than a call, or a tiled environment's that couples has 128 registers: it then spills (decision 20)
   - anything adds floating-point numbers atomically: its order would show in the bits
   - in the kernel of a form of execution, the fused pass and the last gather do not load a node's velocity and mass at
     once, or the passes that scatter do not add four integers per node: then grid or loop has lost its place in shared
@@ -41,10 +42,12 @@ def complaints(text, nodes):
         yield "there is no kernel"
     for name, body in kernels:
         whole = "".join(with_what_it_calls(body, functions))
-        count = len(INSTRUCTION.findall(whole))
-        print(f"{name}: {count} instructions")
+        own, count = len(INSTRUCTION.findall(body)), len(INSTRUCTION.findall(whole))
+        print(f"{name}: {count} instructions, {own} of them its own")
         if count < 20:
             yield f"{name} is empty: {count} instructions"
+        elif own < 20:
+            yield f"{name} is no more than a call"
         if re.search(r"\btrap;", whole):
             yield f"{name} traps"
     for atomic in FLOAT_ATOMIC.findall(text):
@@ -64,10 +67,16 @@ def complaints(text, nodes):
                     yield f"{kernel}: {found} {what}; {least} expected"
 
 
+def too_few_registers(usage):
+    for name, registers in re.findall(r"Function (\S+):\s+REG:(\d+)", usage):
+        if "17tiled_environment" in name and "Coupling" in name and int(registers) <= 128:
+            yield f"{name} has {registers} registers"
+
+
 def main():
     cuobjdump, library, nodes = sys.argv[1], sys.argv[2], int(sys.argv[3])
-    text = subprocess.run([cuobjdump, "-ptx", library], check=True, capture_output=True, text=True).stdout
-    wrong = list(complaints(text, nodes))
+    read = lambda what: subprocess.run([cuobjdump, what, library], check=True, capture_output=True, text=True).stdout
+    wrong = [*complaints(read("-ptx"), nodes), *too_few_registers(read("-res-usage"))]
     for sentence in wrong:
         print(f"FAIL: {sentence}")
     return 1 if wrong else 0

@@ -188,7 +188,8 @@ template <class Scene, class T> class TiledEnvironment {
   __device__ explicit TiledEnvironment(TiledLaunch<Scene, T> const& launch)
       : block_{launch, blockIdx.x, 0} {}
 
-  __device__ void run(int s) const {
+  // Part of its kernel, whose registers a function would not get.
+  __device__ __forceinline__ void run(int s) const {
     auto& record = block_.record();
     StepControl const control{step().fields(block_.env)};
     bool const moves = record.moves;
@@ -238,8 +239,9 @@ template <class Scene, class T> class TiledEnvironment {
   TiledBlock<Scene, T> block_;
 };
 
+// One block is enough for a multiprocessor, so that registers are not saved by spilling.
 template <class Scene, class T>
-__global__ void __launch_bounds__(TiledEnvironment<Scene, T>::most_threads)
+__global__ void __launch_bounds__(TiledEnvironment<Scene, T>::most_threads, 1)
     tiled_environment(__grid_constant__ TiledLaunch<Scene, T> const launch, int s) {
   TiledEnvironment<Scene, T>(launch).run(s);
 }
