@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """11. A step loop in Python: needles that go straight for their marker, in many environments at once.
 
-scripts/python.sh builds the module and runs this. With --device cuda (scripts/python.sh --cuda examples/11_step_loop.py
---device cuda) environments and policy are on a GPU, and the arrays are PyTorch's.
+scripts/python.sh builds the module and runs this. With --device cuda environments and policy are on a GPU, and the arrays
+are PyTorch's (scripts/python.sh --cuda).
 """
 
 import argparse

@@ -35,18 +35,17 @@ python_with_matplotlib() {
   python3 -c 'import matplotlib' 2>/dev/null && echo python3 || echo /usr/bin/python3
 }
 
-# The Python that the module is built for: $PYTHON, or Debian's, whose NumPy it uses, with Gymnasium where that was installed.
+# The Python that the module is built for: Debian's, whose NumPy it uses, with Gymnasium where that was installed.
 python_of_module() {
-  [[ -n ${PYTHON:-} ]] && command -v "$PYTHON" && return
   [[ -x $python_venv/bin/python ]] && echo "$python_venv/bin/python" && return
   python3 -c 'import numpy' 2>/dev/null && python3 -c 'import sys; print(sys.executable)' || echo /usr/bin/python3
 }
 
-# That of the first GPU; where there is none, 75, which every later GPU runs too.
-gpu_architecture() {
+# Those of this machine's GPUs, as "80;90"; where there are none, 75, which every later GPU runs too.
+gpu_architectures() {
   local found
-  found=$(nvidia-smi --query-gpu=compute_cap --format=csv,noheader 2>/dev/null | head -n 1 | tr -d .)
-  [[ $found =~ ^[0-9]+$ ]] && echo "$found" || echo 75
+  found=$(nvidia-smi --query-gpu=compute_cap --format=csv,noheader 2>/dev/null | tr -d . | sort -u | paste -sd ';' || true)
+  [[ $found =~ ^[0-9]+(;[0-9]+)*$ ]] && echo "$found" || echo 75
 }
 
 # The version of the compiler $1, or nothing.

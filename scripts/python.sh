@@ -1,28 +1,50 @@
 #!/usr/bin/env bash
-# Sets up, builds the Python module and runs a step loop with it, or a program of yours: scripts/python.sh [--cuda] FILE ARGUMENTS...
-# With --cuda the module has step loops on CUDA devices too. PYTHON=/path/to/python names another Python than Debian's.
+# Sets up, builds the Python module and runs a step loop with it, or a program of yours.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+usage() {
+  cat <<'TEXT'
+Usage: [PYTHON=/path/to/python] scripts/python.sh [--cuda] [FILE ARGUMENT...]
+
+  --cuda   a module that has step loops on CUDA devices, too; without FILE the step loop is on a GPU, and needs PyTorch
+  PYTHON   for this Python instead of Debian's: one that has NumPy and what FILE imports
+  FILE     the program to run (examples/11_step_loop.py)
+TEXT
+}
+
+cuda=no
+case ${1:-} in
+  --cuda) cuda=yes && shift ;;
+  -h | --help) usage && exit ;;
+  -*) usage >&2 && die "unknown option '$1'" ;;
+esac
+python=
+if [[ -n ${PYTHON:-} ]]; then
+  python=$(command -v "$PYTHON") || die "PYTHON = '$PYTHON': there is no such program"
+  python=$(cd "$(dirname "$python")" && pwd)/$(basename "$python")
+  "$python" -c 'import numpy' || die "PYTHON = '$PYTHON' has no NumPy; install it there"
+fi
 cd "$root"
 
-build=$build_root/python
-cuda=(-DMPMPBD_CUDA=OFF)
-if [[ ${1:-} == --cuda ]]; then
-  shift
+if [[ $cuda == yes ]]; then
+  build=$build_root/python-cuda
+  (($#)) || set -- examples/11_step_loop.py --device cuda
   step "set-up" scripts/setup.sh python
   CUDACXX=$(find_nvcc)
   [[ -n $CUDACXX ]] || die "--cuda needs nvcc >= $cuda_minimum, and there is none"
   export CUDACXX
-  cuda=(-DMPMPBD_CUDA=ON "-DCMAKE_CUDA_ARCHITECTURES=$(gpu_architecture)")
+  options=(-DMPMPBD_CUDA=ON -DMPMPBD_CATALOG_CUDA_ALL=OFF "-DCMAKE_CUDA_ARCHITECTURES=$(gpu_architectures)")
 else
+  build=$build_root/python
+  (($#)) || set -- examples/11_step_loop.py
   step "set-up" scripts/setup.sh python --no-cuda
+  options=(-DMPMPBD_CUDA=OFF)
 fi
-(($#)) || set -- examples/11_step_loop.py
-
-python=$(python_of_module)
+[[ -n $python ]] || python=$(python_of_module)
 step "configure" cmake --preset release -B "$build" -DMPMPBD_PYTHON=ON "-DPython_EXECUTABLE=$python" \
-  "${cuda[@]}" -DMPMPBD_TESTS=OFF -DMPMPBD_BENCH=OFF -DMPMPBD_EXAMPLES=OFF
+  "${options[@]}" -DMPMPBD_TESTS=OFF -DMPMPBD_BENCH=OFF -DMPMPBD_EXAMPLES=OFF
 step "build" cmake --build "$build" -j "$jobs" --target mpmpbd_python
 export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 

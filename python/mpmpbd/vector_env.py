@@ -28,7 +28,7 @@ def _gymnasium():
     return gymnasium
 
 
-_KDL_CUDA = 2  # of DLPack
+_CUDA_OF_DLPACK = (2, 13)  # its own memory, and managed memory
 
 
 def _device_number(device):
@@ -41,6 +41,16 @@ def _device_number(device):
     raise ValueError(f"mpmpbd: device = '{device}'; give 'cpu', 'cuda', or 'cuda:1' and so on")
 
 
+def _stream_number(stream):
+    """Of a stream of PyTorch or CuPy, or what is a number already."""
+    number = operator.index(getattr(stream, "cuda_stream", getattr(stream, "ptr", stream)))
+    if number < 0 or number == 2:  # 2 is another stream for every thread
+        raise ValueError(
+            f"mpmpbd: stream = {number}; give a stream of PyTorch or CuPy, its number, or 0 for the default stream"
+        )
+    return number
+
+
 class SuturingVectorEnv(_VectorEnv):
     """N environments of the suturing task, on the threads of this machine or on a CUDA device.
 
@@ -50,11 +60,12 @@ class SuturingVectorEnv(_VectorEnv):
     config: a TOML file, a dictionary ({"episode.limit": 50} or nested), or a list of these, later ones over earlier ones.
     autoreset: "same_step" (the last observation of an episode is in info["final_obs"]), "next_step" or "disabled".
     threads: of the host; 0 for as many as the machine has.
-    device: "cpu", "cuda" or "cuda:1". On a device nothing is copied and nothing waits: actions and masks are taken where they
-        lie, what `step` returns is there when the stream has come to it. NumPy's are copied, which waits.
+    device: "cpu", "cuda" (which is "cuda:0"), "cuda:1" and so on. On a device nothing is copied and nothing waits: actions and
+        masks are taken where they lie, what `step` returns is there when the stream has come to it. The host's are copied,
+        which waits.
     as_array: makes an array of your library from an mpmpbd.Array, without a copy: numpy.asarray (on the host, the default),
         torch.from_dlpack, cupy.asarray. A device has no default.
-    stream: the CUDA stream of all work, as torch.cuda.Stream.cuda_stream numbers it; 0 is the default stream.
+    stream: the CUDA stream of all work, of PyTorch, of CuPy, or its number; 0 is the default stream. Work on that one.
 
     Observations (num_envs, frames, ...) float32 by group; actions (num_envs, 3) in [-1, 1]; reward (num_envs) float32.
     """
@@ -96,7 +107,7 @@ class SuturingVectorEnv(_VectorEnv):
                     "scripts/python.sh --cuda, or with -DMPMPBD_CUDA=ON"
                 )
             self._loop = _core.SuturingLoopOnDevice(
-                documents(config), **options, device=number, stream=operator.index(stream)
+                documents(config), **options, device=number, stream=_stream_number(stream)
             )
         else:
             if stream:
@@ -133,7 +144,7 @@ class SuturingVectorEnv(_VectorEnv):
             if seed is not None:
                 raise ValueError("mpmpbd: a seed is of all environments; give seed or reset_mask")
             if self._lies_here(mask):
-                self._loop.reset_from(mask)
+                self._loop.reset_where_from(mask)
             else:
                 self._loop.reset_where(np.ascontiguousarray(mask, dtype=np.bool_).view(np.uint8))
         elif seed is not None:
@@ -222,9 +233,23 @@ class SuturingVectorEnv(_VectorEnv):
         return batch_space(self.single_action_space, self.num_envs)
 
     def _views(self, arrays):
-        return {name: self._as_array(array) for name, array in arrays.items()}
+        views = {name: self._as_array(array) for name, array in arrays.items()}
+        for view in views.values():
+            if not hasattr(view, "__getitem__"):
+                raise TypeError(
+                    f"mpmpbd: as_array returned a {type(view).__name__}; it has to make an array of it, as "
+                    "torch.from_dlpack does"
+                )
+        return views
 
     def _lies_here(self, numbers):
-        """Whether the environments can take them from the memory of a device."""
+        """Whether the environments take them from the memory of a device."""
+        if not self._on_device:
+            return False
         where = getattr(numbers, "__dlpack_device__", None)
-        return self._on_device and where is not None and where()[0] == _KDL_CUDA
+        if where is None and hasattr(numbers, "__cuda_array_interface__"):
+            raise TypeError(
+                f"mpmpbd: a {type(numbers).__name__} on a device has no __dlpack__; make an array of it that "
+                "has, by cupy.asarray or the like"
+            )
+        return where is not None and where()[0] in _CUDA_OF_DLPACK

@@ -51,7 +51,11 @@ py::object to_capsule(SharedArray const& a, py::object const& stream, py::object
   if (a.array.read_only)
     throw py::buffer_error(
         "mpmpbd: a read-only array is asked for by DLPack before 1.0, which cannot say read-only; "
-        "use numpy.asarray, or copy it");
+        "use " +
+        std::string(a.array.place.memory == MemorySpace::host
+                        ? "numpy.asarray"
+                        : "a library that asks for 1.0, or cupy.asarray") +
+        ", or copy it");
   return capsule<DLManagedTensor>(a);
 }
 

@@ -36,13 +36,6 @@ template <> inline constexpr char const* capsule_name<io::DlpackVersioned> = "dl
 std::int64_t stream_number(Place const& place);
 void* stream_of(std::uintptr_t number);
 
-// (2, 3)
-template <class Numbers> std::string shape_text(Numbers const& shape) {
-  std::string text = "(";
-  for (auto n : shape) text += (text.size() > 1 ? ", " : "") + std::to_string(n);
-  return text + ")";
-}
-
 // {name: array}
 inline py::dict dict_of(std::vector<NamedArray> const& all,
                         std::shared_ptr<void const> const& owner) {

@@ -2,10 +2,11 @@
 #include <mpmpbd/catalog/suturing_task.hpp>
 #include <mpmpbd/version.hpp>
 
-#include "on_device.hpp"
 #include "step_loop.hpp"
 
 namespace mpmpbd::python {
+
+void declare_suturing_on_device(py::module_& module);  // on_device.cpp, where CUDA is
 
 namespace {
 
@@ -17,9 +18,8 @@ std::shared_ptr<Suturing> suturing(Documents const& documents, std::int64_t num_
   if (threads < 0)
     throw std::invalid_argument("mpmpbd VectorEnv: threads = " + std::to_string(threads) +
                                 "; give 0 for as many as the machine has, or a positive number");
-  rl::VectorEnvOptions const options{num_envs, seed, autoreset_named(autoreset), first_environment};
-  return std::make_shared<Suturing>(config_of<rl::SuturingTask::Config>(documents), options,
-                                    Threads{threads});
+  return made<Suturing>(documents, {num_envs, seed, autoreset_named(autoreset), first_environment},
+                        Threads{threads});
 }
 
 }  // namespace
@@ -32,7 +32,8 @@ PYBIND11_MODULE(_core, module) {
   declare_array(module);
   declare_loop<Suturing>(module, "SuturingLoop")
       .def(py::init(&suturing), py::arg("documents"), py::kw_only(), py::arg("num_envs"),
-           py::arg("seed"), py::arg("autoreset"), py::arg("first_environment"), py::arg("threads"),
-           py::call_guard<py::gil_scoped_release>());
+           py::arg("seed"), py::arg("autoreset"), py::arg("first_environment"), py::arg("threads"));
+#if defined(MPMPBD_PYTHON_ON_DEVICE)
   declare_suturing_on_device(module);
+#endif
 }

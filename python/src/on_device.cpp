@@ -1,10 +1,10 @@
-#include "on_device.hpp"
-
+// The step loop of the suturing task on a CUDA device.
 #include <mpmpbd/catalog/suturing_task.hpp>
 #include <mpmpbd/rl/cuda/vector_env.hpp>
 
-#include "borrowed.hpp"
 #include "step_loop.hpp"
+// After what reads TOML, which knows words that an emulated device defines.
+#include "borrowed.hpp"
 
 namespace mpmpbd::python {
 
@@ -18,19 +18,26 @@ template <class Envs> class StepLoopOnDevice : public StepLoop<Envs> {
   using Base::Base;
   using Base::envs;
 
+  // Nobody looks at the host's copy of what comes of it.
+  void step(py::buffer const& actions) {
+    auto const numbers = Base::actions_in(actions.request());
+    Base::alone([&] { envs().step_from(envs().send(numbers)); });
+  }
   void step_from(py::object const& actions) {
     Borrowed given(actions, envs().place());
-    auto const* const numbers =
-        given.contiguous<float>(Base::actions_shape(), Base::actions_wanted());
-    Base::alone([&] { envs().step_from(numbers); });
-    actions_ = std::move(given);
+    require(given.array(), Base::wanted_actions(envs().place()));
+    Base::alone([&] {
+      std::swap(actions_, given);
+      envs().step_from(static_cast<float const*>(actions_.array().data));
+    });
   }
-  void reset_from(py::object const& mask) {
+  void reset_where_from(py::object const& mask) {
     Borrowed given(mask, envs().place());
-    auto const* const where =
-        given.contiguous<unsigned char>(Base::mask_shape(), Base::mask_wanted());
-    Base::alone([&] { envs().reset_where(where); });
-    mask_ = std::move(given);
+    require(given.array(), Base::wanted_mask(envs().place()));
+    Base::alone([&] {
+      std::swap(mask_, given);
+      envs().reset_where(static_cast<unsigned char const*>(mask_.array().data));
+    });
   }
 
  private:
@@ -43,9 +50,8 @@ std::shared_ptr<Suturing> suturing(Documents const& documents, std::int64_t num_
                                    std::int64_t seed, std::string const& autoreset,
                                    std::int64_t first_environment, int device,
                                    std::uintptr_t stream) {
-  rl::VectorEnvOptions const options{num_envs, seed, autoreset_named(autoreset), first_environment};
-  return std::make_shared<Suturing>(config_of<rl::SuturingTask::Config>(documents), options,
-                                    Cuda{.device = device, .stream = stream_of(stream)});
+  return made<Suturing>(documents, {num_envs, seed, autoreset_named(autoreset), first_environment},
+                        Cuda{.device = device, .stream = stream_of(stream)});
 }
 
 }  // namespace
@@ -54,9 +60,9 @@ void declare_suturing_on_device(py::module_& module) {
   declare_loop<Suturing>(module, "SuturingLoopOnDevice")
       .def(py::init(&suturing), py::arg("documents"), py::kw_only(), py::arg("num_envs"),
            py::arg("seed"), py::arg("autoreset"), py::arg("first_environment"), py::arg("device"),
-           py::arg("stream"), py::call_guard<py::gil_scoped_release>())
+           py::arg("stream"))
       .def("step_from", &Suturing::step_from)
-      .def("reset_from", &Suturing::reset_from);
+      .def("reset_where_from", &Suturing::reset_where_from);
 }
 
 }  // namespace mpmpbd::python

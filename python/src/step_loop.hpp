@@ -12,6 +12,7 @@
 #include <mpmpbd/rl/arrays.hpp>
 
 #include "array.hpp"
+#include "numbers.hpp"
 
 namespace mpmpbd::python {
 
@@ -32,20 +33,6 @@ inline rl::Autoreset autoreset_named(std::string const& name) {
                               "'; give 'same_step', 'next_step' or 'disabled'");
 }
 
-// Numbers of somebody else, of the shape that is needed and without gaps.
-template <class E>
-std::span<E const> contiguous(py::buffer_info const& given, std::vector<py::ssize_t> const& shape,
-                              std::string const& wanted) {
-  py::ssize_t stride = sizeof(E);
-  bool fits = given.format == py::format_descriptor<E>::format() && given.shape == shape;
-  for (std::size_t a = shape.size(); fits && a-- > 0; stride *= shape[a])
-    fits = shape[a] == 1 || given.strides[a] == stride;
-  if (!fits)
-    throw std::invalid_argument("mpmpbd VectorEnv: " + wanted + " needed; given are " +
-                                shape_text(given.shape) + " of '" + given.format + "'");
-  return {static_cast<E const*>(given.ptr), static_cast<std::size_t>(given.size)};
-}
-
 // Environments that threads of Python may share: they run without the interpreter's lock, one call at a time.
 template <class Envs_> class StepLoop {
  public:
@@ -60,38 +47,58 @@ template <class Envs_> class StepLoop {
   }
   void reset_where(py::buffer const& mask) {
     auto const given = mask.request();
-    auto const where = contiguous<unsigned char>(given, mask_shape(), mask_wanted());
+    require(array_of(given), wanted_mask());
+    std::span const where(static_cast<unsigned char const*>(given.ptr), of_all(1));
     alone([&] { envs_.reset(where); });
   }
   void start(std::int64_t env, std::int64_t episode, std::int64_t as) {
     alone([&] { envs_.start(env, episode, as); });
   }
   void step(py::buffer const& actions) {
-    auto const given = actions.request();
-    auto const numbers = contiguous<float>(given, actions_shape(), actions_wanted());
+    auto const numbers = actions_in(actions.request());
     alone([&] { envs_.step(numbers); });
   }
 
- protected:
-  using Shape = std::vector<py::ssize_t>;
-  Shape actions_shape() const { return {envs_.num_envs(), Envs::action_size}; }
-  std::string actions_wanted() const {
-    return "actions of shape " + shape_text(actions_shape()) + " are";
-  }
-  Shape mask_shape() const { return {envs_.num_envs()}; }
-  std::string mask_wanted() const {
-    return "a mask of " + std::to_string(envs_.num_envs()) + " flags is";
-  }
-  template <class Function> void alone(Function&& f) {
+  // No objects of Python in f.
+  template <class Function> auto alone(Function&& f) {
     py::gil_scoped_release const others_run;
     std::scoped_lock const one_at_a_time(busy_);
-    f();
+    return f();
+  }
+
+ protected:
+  Wanted wanted_actions(Place const& place = {}) const {
+    std::vector<std::int64_t> const shape{envs_.num_envs(), Envs::action_size};
+    return {"actions of float32 and shape " + text_of(shape) + " are", element_type<float>, shape,
+            place};
+  }
+  Wanted wanted_mask(Place const& place = {}) const {
+    std::vector<std::int64_t> const shape{envs_.num_envs()};
+    return {"a mask of bool or uint8 and shape " + text_of(shape) + " is",
+            element_type<unsigned char>, shape, place};
+  }
+  std::span<float const> actions_in(py::buffer_info const& given) const {
+    require(array_of(given), wanted_actions());
+    return {static_cast<float const*>(given.ptr), of_all(Envs::action_size)};
   }
 
  private:
+  std::size_t of_all(int numbers) const {
+    return static_cast<std::size_t>(envs_.num_envs() * numbers);
+  }
+
   Envs envs_;
   std::mutex busy_;
 };
+
+// Other threads of Python run meanwhile.
+template <class Loop, class Where>
+std::shared_ptr<Loop> made(Documents const& documents, rl::VectorEnvOptions const& options,
+                           Where const& where) {
+  py::gil_scoped_release const others_run;
+  auto const config = config_of<typename Loop::Envs::Config>(documents);
+  return std::make_shared<Loop>(config, options, where);
+}
 
 // How many slots of a domain each environment uses.
 template <class Envs> std::vector<std::int64_t> live(Envs& envs, std::string const& domain) {
@@ -145,11 +152,15 @@ template <class Loop> LoopClass<Loop> declare_loop(py::module_& module, char con
            [](Shared const& self) { return dict_of(rl::outcome_arrays(self->envs()), self); })
       .def("state",
            [](Shared const& self, std::string const& field) {
-             Array found = array_named(self->envs().simulation(), field);
+             auto& envs = self->envs();
+             Array found = self->alone([&] { return array_named(envs.simulation(), field); });
              found.read_only = true;  // the next step starts from it
              return SharedArray{found, self};
            })
-      .def("live", [](Loop& self, std::string const& domain) { return live(self.envs(), domain); })
+      .def("live",
+           [](Loop& self, std::string const& domain) {
+             return self.alone([&] { return live(self.envs(), domain); });
+           })
       .def("config", [](Loop& self) { return io::config_text(self.envs().config()); })
       .def_property_readonly("decision_time",
                              [](Loop& self) { return self.envs().decision_time(); });

@@ -63,7 +63,7 @@ TEST_CASE("flags are of the type that DLPack has for them", "[io][dlpack]") {
   auto array = contiguous_array(flags.data(), shape);
   array.element = element_type<bool>;
   auto* const tensor = io::to_dlpack(array, nullptr);
-  CHECK(tensor->dl_tensor.dtype.code == 6);  // kDLBool of DLPack 1.0
+  CHECK(tensor->dl_tensor.dtype.code == 6);  // kDLBool of DLPack 0.8
   CHECK(tensor->dl_tensor.dtype.bits == 8);
   tensor->deleter(tensor);
   CHECK(array.as<unsigned char>() == flags.data());

@@ -177,11 +177,11 @@ class Refusals(unittest.TestCase):
     def test_each_says_what_is_wrong(self):
         env = make()
         for what, sentence in (
-            (lambda: env.step(np.zeros((3, 2))), r"shape \(2, 3\) are needed; given are \(3, 2\)"),
+            (lambda: env.step(np.zeros((3, 2))), r"shape \(2, 3\) are needed; given are \(3, 2\) of float32"),
             (lambda: env.state("particle.q"), "no field 'particle.q' is stored; there are .*particle.x"),
             (lambda: env.live("atom"), "no domain 'atom'; there are environment, particle"),
             (lambda: env.start(5, 1), r"start\(5, 1, 5\); there are environments 0 to 1"),
-            (lambda: env.reset(options={"reset_mask": [True]}), "a mask of 2 flags is needed"),
+            (lambda: env.reset(options={"reset_mask": [True]}), r"a mask of bool or uint8 and shape \(2\) is needed; given are \(1\)"),
             (lambda: env.reset(seed=1, options={"reset_mask": [True, False]}), "seed or reset_mask"),
             (lambda: make(0), "num_envs = 0; give at least 1"),
             (lambda: make(threads=-1), "threads = -1; give 0 for as many"),

@@ -36,7 +36,7 @@ struct DlpackVersioned {
 };
 inline constexpr std::uint64_t dlpack_read_only = 1;
 #endif
-inline constexpr int dlpack_bool = 6;  // kDLBool, since 1.0
+inline constexpr int dlpack_bool = 6;  // kDLBool, since 0.8
 
 namespace detail {
 

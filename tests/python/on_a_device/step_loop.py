@@ -1,6 +1,6 @@
 """The step loop on a device, which takes tensors where they lie and shows what it has as tensors.
 
-Where PyTorch and a GPU are: PYTHONPATH=build/python python3 tests/python/on_a_device/step_loop.py, in the root of the sources.
+Where PyTorch and a GPU are: PYTHON=... scripts/python.sh --cuda tests/python/on_a_device/step_loop.py.
 With MPMPBD_EMULATED=1 the module is one whose device is emulated (ctest: python/on_emulated_device); memory of the host
 stands in for the device's, and NumPy for PyTorch.
 """
@@ -9,6 +9,7 @@ import ctypes
 import gc
 import os
 import sys
+import threading
 import types
 import unittest
 import weakref
@@ -28,17 +29,22 @@ if os.environ.get("MPMPBD_EMULATED") == "1":
         """Says that it lies on a device."""
 
         device_number = 0
+        streams = []  # on which its like were asked for
 
         def __dlpack_device__(self):
             return (2, self.device_number)
 
         def __dlpack__(self, *, stream):
+            self.streams.append(stream)
             numbers = np.asarray(self)
-            capsule = (numbers.view(np.uint8) if numbers.dtype == np.bool_ else numbers).__dlpack__()
-            name = ctypes.pythonapi.PyCapsule_GetPointer
-            name.restype, name.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-            place = ctypes.cast(name(capsule, b"dltensor") + 8, ctypes.POINTER(ctypes.c_int32 * 2))
-            place.contents[:] = self.__dlpack_device__()
+            flags = numbers.dtype == np.bool_
+            capsule = (numbers.view(np.uint8) if flags else numbers).__dlpack__()
+            pointer = ctypes.pythonapi.PyCapsule_GetPointer
+            pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+            tensor = pointer(capsule, b"dltensor")  # data, device, number of axes, type
+            ctypes.cast(tensor + 8, ctypes.POINTER(ctypes.c_int32 * 2)).contents[:] = self.__dlpack_device__()
+            if flags:
+                ctypes.cast(tensor + 20, ctypes.POINTER(ctypes.c_uint8)).contents.value = 6
             return capsule
 
     class OnHost:
@@ -156,6 +162,14 @@ class Episodes(unittest.TestCase):
             np.testing.assert_array_equal(numpy_of(pose)[0], before[0])
             self.assertFalse(np.array_equal(numpy_of(pose)[1], before[1]))
 
+    def test_what_has_ended_begins_anew_by_its_own_flags(self):
+        env = make(settings={"episode.limit": 1}, autoreset="disabled")
+        observations, _, _, truncated, info = env.step(tensor(down(env)))
+        self.assertNotIn("final_obs", info)
+        last = numpy_of(observations["needle_pose"]).copy()
+        env.reset(options={"reset_mask": truncated})
+        self.assertTrue((numpy_of(observations["needle_pose"]) != last).any(axis=(1, 2)).all())
+
     def test_what_ended_is_told_without_looking(self):
         env = make(settings={"episode.limit": 2})
         for ends in (False, True):
@@ -192,15 +206,22 @@ class Lending(unittest.TestCase):
         before = numpy_of(pose).copy()
         wide = tensor(np.zeros((2, 6), np.float32))
         for given, sentence in (
-            (tensor(np.zeros((3, 2), np.float32)), r"actions of shape \(2, 3\) are needed.* given are \(3, 2\) of 'f4'"),
-            (tensor(np.zeros((2, 3))), r"given are \(2, 3\) of 'f8'"),
+            (
+                tensor(np.zeros((3, 2), np.float32)),
+                r"actions of float32 and shape \(2, 3\) are needed; given are \(3, 2\) of float32",
+            ),
+            (tensor(np.zeros((2, 3))), r"given are \(2, 3\) of float64"),
             (wide[:, ::2], r"without gaps"),
             (np.zeros((3, 2), np.float32), r"given are \(3, 2\)"),
         ):
             with self.assertRaisesRegex(ValueError, sentence):
                 env.step(given)
-        with self.assertRaisesRegex(ValueError, "a mask of 2 flags is needed"):
-            env.reset(options={"reset_mask": tensor(np.zeros(3, np.bool_))})
+        for flags, sentence in (
+            (np.zeros(3, np.bool_), r"a mask of bool or uint8 and shape \(2\) is needed; given are \(3\) of bool"),
+            (np.zeros(2, np.int64), r"given are \(2\) of int64"),
+        ):
+            with self.assertRaisesRegex(ValueError, sentence):
+                env.reset(options={"reset_mask": tensor(flags)})
         np.testing.assert_array_equal(numpy_of(pose), before)
 
     @unittest.skipIf("torch" in globals(), "one GPU may be all there are")
@@ -208,8 +229,34 @@ class Lending(unittest.TestCase):
         env = make()
         lent = tensor(down(env))
         lent.device_number = 3
-        with self.assertRaisesRegex(ValueError, r"needed on device \(2, 0\); given are some on \(2, 3\)"):
+        with self.assertRaisesRegex(ValueError, "needed on CUDA device 0; given are some on CUDA device 3"):
             env.step(lent)
+
+    @unittest.skipIf("torch" in globals(), "PyTorch does not tell what it was asked")
+    def test_lenders_are_told_the_stream_of_the_environments(self):
+        for stream, number in ((0, 1), (1, 1), (0x5500, 0x5500)):
+            env = make(stream=stream)
+            Tensor.streams.clear()
+            env.step(tensor(down(env)))
+            env.reset(options={"reset_mask": tensor(np.array([True, False]))})
+            self.assertEqual(Tensor.streams, [number, number])
+
+    def test_a_part_of_a_larger_tensor_is_lent(self):
+        env, whole = make(seed=3), make(seed=3)
+        larger = np.zeros((5, 3), np.float32)
+        larger[3:] = down(env)
+        paid = env.step(tensor(larger)[3:])[1]
+        np.testing.assert_array_equal(numpy_of(paid), numpy_of(whole.step(tensor(down(whole)))[1]))
+
+    def test_threads_of_python_take_turns(self):
+        env = make()
+        threads = [threading.Thread(target=lambda: env.step(tensor(down(env)))) for _ in range(6)]
+        threads += [threading.Thread(target=lambda: env.live("particle")) for _ in range(6)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(list(numpy_of(env.step(tensor(down(env)))[4]["episode_length"])), [1, 1])
 
     def test_settings_that_do_not_go_together_are_refused(self):
         for options, sentence in (
@@ -218,17 +265,20 @@ class Lending(unittest.TestCase):
             ({"device": "gpu"}, "device = 'gpu'; give 'cpu', 'cuda', or 'cuda:1'"),
             ({"device": "cuda:x"}, "device = 'cuda:x'"),
             ({"device": "cpu", "stream": 5}, "stream = 5 on the host"),
+            ({"stream": 2}, "stream = 2; give a stream of PyTorch or CuPy, its number"),
         ):
             with self.assertRaisesRegex(ValueError, sentence):
                 make(**options)
-        with self.assertRaisesRegex(RuntimeError, "device"):
+        with self.assertRaisesRegex(RuntimeError, "device 99 asked for"):
             make(device="cuda:99")
+        with self.assertRaisesRegex(TypeError, "as_array returned a Array; it has to make an array of it"):
+            make(as_array=lambda array: array)
 
     @unittest.skipUnless("torch" in globals(), "streams are a GPU's")
     def test_all_work_is_on_the_stream_that_is_asked_for(self):
         stream = torch.cuda.Stream()
         with torch.cuda.stream(stream):
-            env = make(stream=stream.cuda_stream)
+            env = make(stream=stream)
             paid = env.step(tensor(down(env)))[1].clone()
         stream.synchronize()
         np.testing.assert_array_equal(numpy_of(paid), numpy_of(make().step(down(env))[1]))

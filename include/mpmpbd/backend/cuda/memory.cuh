@@ -21,16 +21,18 @@ inline void require(cudaError_t e, std::string const& what) {
 // Calls on another device than the thread's present one.
 class OnDevice {
  public:
-  explicit OnDevice(int device) {
+  explicit OnDevice(int device) : now_(device) {
     cudaGetDevice(&before_);
-    if (before_ != device) cudaSetDevice(device);
+    if (before_ != now_) cudaSetDevice(now_);
   }
-  ~OnDevice() { cudaSetDevice(before_); }
+  ~OnDevice() {
+    if (before_ != now_) cudaSetDevice(before_);
+  }
   OnDevice(OnDevice const&) = delete;
   OnDevice& operator=(OnDevice const&) = delete;
 
  private:
-  int before_ = 0;
+  int now_, before_ = 0;
 };
 
 // Refuses what the present device has no memory for, before anything is taken.

@@ -134,7 +134,9 @@ void EpisodesOnDevice<Task, T>::decide(Sim& sim, EpisodeRules const& rules, floa
 template <class Task, class T>
 void EpisodesOnDevice<Task, T>::send(void* to, void const* from, std::size_t bytes) const {
   cuda::OnDevice const here(where_.device);
-  cuda::copy(static_cast<cudaStream_t>(where_.stream), to, from, bytes, cudaMemcpyHostToDevice);
+  auto const stream = static_cast<cudaStream_t>(where_.stream);
+  cuda::copy(stream, to, from, bytes, cudaMemcpyHostToDevice);
+  cuda::require(cudaStreamSynchronize(stream), "sending");
 }
 template <class Task, class T>
 void EpisodesOnDevice<Task, T>::fetch(void* to, void const* from, std::size_t bytes) const {

@@ -40,7 +40,7 @@ template <class Task, class T> class EpisodesOnDevice {
   // A decision of `steps` steps of h [s]; the actions lie in the memory of the device.
   void decide(Sim& sim, EpisodeRules const& rules, float const* actions, double h, int steps) const;
 
-  void send(void* to, void const* from, std::size_t bytes) const;
+  void send(void* to, void const* from, std::size_t bytes) const;  // waits
   void fetch(void* to, void const* from, std::size_t bytes) const;
 
  private:

@@ -69,6 +69,12 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
   Place place() const { return episodes_.place(); }
   // A place for actions, (num_envs, action_size).
   float* actions() { return episodes_.actions(); }
+  // Copies actions of the host there, which waits.
+  float const* send(std::span<float const> actions) {
+    this->check_actions(actions.size());
+    episodes_.send(episodes_.actions(), actions.data(), actions.size_bytes());
+    return episodes_.actions();
+  }
   // One decision in every environment, whose actions lie in the memory of the device: (num_envs, action_size). Nothing is
   // copied, no memory taken, and nothing waits.
   void step_from(float const* actions) {
@@ -110,9 +116,7 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
   }
 
   StepOutcome const& step(std::span<float const> actions) {
-    this->check_actions(actions.size());
-    episodes_.send(episodes_.actions(), actions.data(), actions.size_bytes());
-    step_from(episodes_.actions());
+    step_from(send(actions));
     return outcome();
   }
   StepOutcome const& outcome() const {
