@@ -27,11 +27,14 @@ CALL = re.compile(r"\bcall(?:\.uni)?\s+(?:\([^)]*\),\s*)?(\w+)")
 INSTRUCTION = re.compile(r"^\s*(?:@!?%p\d+\s+)?[a-z][a-z0-9_.:]*\s*.*;", re.M)
 
 
-def with_what_it_calls(body, functions, seen=frozenset()):
-    """The text of a kernel or function, and of those that it calls, each told of once per way to it."""
-    yield body
-    for name in set(CALL.findall(body)) - seen:
-        yield from with_what_it_calls(functions.get(name, ""), functions, seen | {name})
+def with_what_it_calls(body, functions):
+    """The text of a kernel and of all functions that it reaches, each once."""
+    called, texts = set(), [body]
+    for text in texts:  # grows
+        for name in set(CALL.findall(text)) - called:
+            called.add(name)
+            texts.append(functions.get(name, ""))
+    return "".join(texts)
 
 
 def complaints(text, nodes):
@@ -43,7 +46,7 @@ def complaints(text, nodes):
     if not kernels:
         yield "there is no kernel"
     for name, body, functions in kernels:
-        whole = "".join(with_what_it_calls(body, functions))
+        whole = with_what_it_calls(body, functions)
         own, count = len(INSTRUCTION.findall(body)), len(INSTRUCTION.findall(whole))
         print(f"{name}: {count} instructions, {own} of them its own")
         if count < 20:
