@@ -73,7 +73,7 @@ template <class Envs> std::vector<NamedArray> final_observation_arrays(Envs& env
 }
 
 // The members of StepOutcome by their names: (num_envs), and (num_envs, terms or metrics) in the order of term_names(),
-// metric_names(). Flags say that they are flags.
+// metric_names(). Flags are of element type bool.
 template <class Envs> std::vector<NamedArray> outcome_arrays(Envs& envs) {
   auto const placed = detail::outcome_of(envs);
   OutcomeArrays const& out = placed.arrays;

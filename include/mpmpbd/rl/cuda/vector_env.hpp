@@ -69,7 +69,8 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
   Place place() const { return episodes_.place(); }
   // A place for actions, (num_envs, action_size).
   float* actions() { return episodes_.actions(); }
-  // Copies actions of the host there, which waits.
+  // Copies actions of the host there, (num_envs, action_size), which waits; another number of them throws
+  // std::invalid_argument.
   float const* send(std::span<float const> actions) {
     this->check_actions(actions.size());
     episodes_.send(episodes_.actions(), actions.data(), actions.size_bytes());
