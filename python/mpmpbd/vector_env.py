@@ -46,9 +46,33 @@ def _stream_number(stream):
     number = operator.index(getattr(stream, "cuda_stream", getattr(stream, "ptr", stream)))
     if number < 0 or number == 2:  # 2 is another stream for every thread
         raise ValueError(
-            f"mpmpbd: stream = {number}; give a stream of PyTorch or CuPy, its number, or 0 for the default stream"
+            f"mpmpbd: cuda_stream = {number}; give a stream of PyTorch or CuPy, its number, or 0 for the default stream"
         )
     return number
+
+
+def _loop_on_host(config, options, threads, cuda_stream):
+    if cuda_stream:
+        raise ValueError(f"mpmpbd: cuda_stream = {cuda_stream} on the host; streams are a device's")
+    return _core.SuturingLoop(documents(config), **options, threads=operator.index(threads))
+
+
+def _loop_on_device(config, options, threads, cuda_stream, device, as_array):
+    if as_array is None:
+        raise ValueError(
+            f"mpmpbd: device = '{device}' needs as_array, which makes arrays of your library from memory of the "
+            "device: torch.from_dlpack, cupy.asarray or the like"
+        )
+    if threads:
+        raise ValueError(f"mpmpbd: threads = {threads} on a device; threads are the host's")
+    if not hasattr(_core, "SuturingLoopOnDevice"):
+        raise RuntimeError(
+            f"mpmpbd: device = '{device}', and this module was built without CUDA: build it with "
+            "scripts/python.sh --cuda, or with -DMPMPBD_CUDA=ON"
+        )
+    return _core.SuturingLoopOnDevice(
+        documents(config), **options, device=_device_number(device), stream=_stream_number(cuda_stream)
+    )
 
 
 class SuturingVectorEnv(_VectorEnv):
@@ -65,7 +89,7 @@ class SuturingVectorEnv(_VectorEnv):
         which waits.
     as_array: makes an array of your library from an mpmpbd.Array, without a copy: numpy.asarray (on the host, the default),
         torch.from_dlpack, cupy.asarray. A device has no default.
-    stream: the CUDA stream of all work, of PyTorch, of CuPy, or its number; 0 is the default stream. Work on that one.
+    cuda_stream: that of all work on a device, of PyTorch, of CuPy, or its number; 0 is the default stream. Work on that one.
 
     Observations (num_envs, frames, ...) float32 by group; actions (num_envs, 3) in [-1, 1]; reward (num_envs) float32.
     """
@@ -81,11 +105,10 @@ class SuturingVectorEnv(_VectorEnv):
         first_environment=0,
         device="cpu",
         as_array=None,
-        stream=0,
+        cuda_stream=0,
     ):
         self.num_envs = operator.index(num_envs)
-        number = _device_number(device)
-        self._on_device = number is not None
+        self._on_device = _device_number(device) is not None
         self._as_array = as_array or np.asarray
         options = {
             "num_envs": self.num_envs,
@@ -93,26 +116,10 @@ class SuturingVectorEnv(_VectorEnv):
             "autoreset": autoreset,
             "first_environment": operator.index(first_environment),
         }
-        if self._on_device:
-            if as_array is None:
-                raise ValueError(
-                    f"mpmpbd: device = '{device}' needs as_array, which makes arrays of your library from "
-                    "memory of the device: torch.from_dlpack, cupy.asarray or the like"
-                )
-            if threads:
-                raise ValueError(f"mpmpbd: threads = {threads} on a device; threads are the host's")
-            if not hasattr(_core, "SuturingLoopOnDevice"):
-                raise RuntimeError(
-                    f"mpmpbd: device = '{device}', and this module was built without CUDA: build it with "
-                    "scripts/python.sh --cuda, or with -DMPMPBD_CUDA=ON"
-                )
-            self._loop = _core.SuturingLoopOnDevice(
-                documents(config), **options, device=number, stream=_stream_number(stream)
-            )
+        if not self._on_device:
+            self._loop = _loop_on_host(config, options, threads, cuda_stream)
         else:
-            if stream:
-                raise ValueError(f"mpmpbd: stream = {stream} on the host; streams are a device's")
-            self._loop = _core.SuturingLoop(documents(config), **options, threads=operator.index(threads))
+            self._loop = _loop_on_device(config, options, threads, cuda_stream, device, as_array)
         self._autoreset = autoreset
         self._at_start = True
         self.action_size = self._loop.action_size

@@ -91,6 +91,11 @@ py::dict interface(Array const& a, MemorySpace memory, char const* name) {
 
 }  // namespace
 
+std::string text_of(Place const& place) {
+  return place.memory == MemorySpace::host ? "the host"
+                                           : "CUDA device " + std::to_string(place.device);
+}
+
 std::int64_t stream_number(Place const& place) {
   auto const handle = static_cast<std::int64_t>(reinterpret_cast<std::intptr_t>(place.stream));
   return handle == 0 ? 1 : handle;
@@ -112,7 +117,7 @@ void declare_array(py::module_& module) {
              auto const& place = self.cast<SharedArray const&>().array.place;
              if (place.memory == MemorySpace::cuda)
                throw py::type_error(
-                   "mpmpbd: this array lies on CUDA device " + std::to_string(place.device) +
+                   "mpmpbd: this array lies on " + text_of(place) +
                    " and is not copied; give it to torch.from_dlpack, cupy.asarray or the like");
              return py::module_::import("numpy").attr("asarray")(self);
            })
@@ -139,11 +144,8 @@ void declare_array(py::module_& module) {
       .def_property_readonly("read_only", [](SharedArray const& a) { return a.array.read_only; })
       .def("__repr__", [](SharedArray const& a) {
         auto const shape = tuple_of(a.array.shape, a.array.axes);
-        std::string const place = a.array.place.memory == MemorySpace::host
-                                      ? "the host"
-                                      : "CUDA device " + std::to_string(a.array.place.device);
         return "<mpmpbd.Array " + text_of(shape) + " of '" + type_string(a.array.element) +
-               "' on " + place + ">";
+               "' on " + text_of(a.array.place) + ">";
       });
 }
 

@@ -28,6 +28,9 @@ struct SharedArray {
 
 void declare_array(py::module_& module);
 
+// "the host", "CUDA device 0"
+std::string text_of(Place const& place);
+
 // What the capsule of a tensor is called until somebody takes the tensor.
 template <class Managed> inline constexpr char const* capsule_name = "dltensor";
 template <> inline constexpr char const* capsule_name<io::DlpackVersioned> = "dltensor_versioned";

@@ -18,8 +18,8 @@ std::shared_ptr<Suturing> suturing(Documents const& documents, std::int64_t num_
   if (threads < 0)
     throw std::invalid_argument("mpmpbd VectorEnv: threads = " + std::to_string(threads) +
                                 "; give 0 for as many as the machine has, or a positive number");
-  return made<Suturing>(documents, {num_envs, seed, autoreset_named(autoreset), first_environment},
-                        Threads{threads});
+  return make_loop<Suturing>(
+      documents, {num_envs, seed, autoreset_named(autoreset), first_environment}, Threads{threads});
 }
 
 }  // namespace

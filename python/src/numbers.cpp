@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "array.hpp"
+
 namespace mpmpbd::python {
 
 namespace {
@@ -14,10 +16,6 @@ std::string text_of(ElementType const& element) {
                            : element.kind == NumberKind::integer ? "int"
                                                                  : "uint";
   return kind + std::to_string(8 * element.bytes);
-}
-std::string text_of(Place const& place) {
-  return place.memory == MemorySpace::host ? "the host"
-                                           : "CUDA device " + std::to_string(place.device);
 }
 
 // By the letter of the buffer protocol; 0 bytes: none that an array has.

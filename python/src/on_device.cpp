@@ -50,8 +50,9 @@ std::shared_ptr<Suturing> suturing(Documents const& documents, std::int64_t num_
                                    std::int64_t seed, std::string const& autoreset,
                                    std::int64_t first_environment, int device,
                                    std::uintptr_t stream) {
-  return made<Suturing>(documents, {num_envs, seed, autoreset_named(autoreset), first_environment},
-                        Cuda{.device = device, .stream = stream_of(stream)});
+  return make_loop<Suturing>(documents,
+                             {num_envs, seed, autoreset_named(autoreset), first_environment},
+                             Cuda{.device = device, .stream = stream_of(stream)});
 }
 
 }  // namespace

@@ -91,10 +91,10 @@ template <class Envs_> class StepLoop {
   std::mutex busy_;
 };
 
-// Other threads of Python run meanwhile.
+// Other threads of Python run meanwhile; the object of Python is made after it.
 template <class Loop, class Where>
-std::shared_ptr<Loop> made(Documents const& documents, rl::VectorEnvOptions const& options,
-                           Where const& where) {
+std::shared_ptr<Loop> make_loop(Documents const& documents, rl::VectorEnvOptions const& options,
+                                Where const& where) {
   py::gil_scoped_release const others_run;
   auto const config = config_of<typename Loop::Envs::Config>(documents);
   return std::make_shared<Loop>(config, options, where);
