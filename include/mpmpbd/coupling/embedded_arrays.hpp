@@ -59,8 +59,9 @@ template <class T, class Form> struct EmbeddedArrays {
   ThreadPlace<T>* aside;  // of every bead: before, after; with a surface
   Following* following;   // by ChannelOrder; with a surface
   RigidBody<T>* needle;
+  ExchangeView<T, Form>* view;  // one for all lanes: a device would keep a copy for each, far away
   void* exchange;
-  FastMemory exchange_fast;
+  FastMemory exchange_fast{};  // nvcc takes the constructor that is implied otherwise for the host's
 
   // Cuts the arrays from `memory` (null: only measures), those that live for a substep from fast memory where there is some.
   // Returns how much of both is used.
@@ -68,6 +69,7 @@ template <class T, class Form> struct EmbeddedArrays {
     detail::Cutter cutter{static_cast<char*>(memory), fast};
     column_first = {cutter.cut<int>(static_cast<int>(n.columns() + 1))};
     column_item = {cutter.cut<int>(static_cast<int>(n.column_items()))};
+    view = cutter.cut_fast<ExchangeView<T, Form>>(1);
     position = cutter.cut_fast<Vec3<T>>(n.beads);
     velocity = cutter.cut_fast<Vec3<T>>(n.beads);
     mass = cutter.cut_fast<T>(n.beads);

@@ -146,12 +146,13 @@ template <class In> struct ExchangeImpulses {
     FastMemory fast;
     if constexpr (requires { grid.fast; }) fast = grid.fast;
     std::size_t const used = a.cut(grid.scratch, n, fast).used;
-    auto x = view(env, context, n, a);
+    team.one([&] { *a.view = view(env, context, n, a); });
+    team.sync();
+    auto& x = *a.view;
     auto const end = load_needle(team, env, context, x);
     load_points(team, env, x);
     load_thread(team, env, context, x, a);
-    tie_thread(team, env, x, end);
-    hold_thread(env, context, x);
+    tie_thread(team, env, context, x, end);
     place_thread_points(team, x);
     place_needle_points(team, env, context, x);
     place_attachments(team, env, x);
@@ -239,8 +240,10 @@ template <class In> struct ExchangeImpulses {
       load_segments(team, env, a);
       load_pins(team, env, a);
       team.sync();
-      x.thread.stretch_compliance = stretch_compliance<T>(env);
-      x.thread.bending_stiffness = bending_stiffness<T>(env, a);
+      team.one([&] {
+        x.thread.stretch_compliance = stretch_compliance<T>(env);
+        x.thread.bending_stiffness = bending_stiffness<T>(env, a);
+      });
       team.each(x.thread_points(),
                 [&](int q) { x.points[q].radius = context.template of<Embedded>().thread_radius; });
     }
@@ -347,39 +350,33 @@ template <class In> struct ExchangeImpulses {
     }
   }
   // The swaged bead sits at the blunt end; with a needle whose motion is given, its velocity is known.
-  template <class Team_, class Env, class X, class T>
+  template <class Team_, class Env, class Ctx, class X, class T>
   MPMPBD_HD static void tie_thread(Team_ const& team, [[maybe_unused]] Env const& env,
-                                   [[maybe_unused]] X const& x,
+                                   [[maybe_unused]] Ctx const& context, [[maybe_unused]] X& x,
                                    [[maybe_unused]] SwagePoint<T> const& end) {
     if constexpr (In::has_needle && swaged)
       team.one([&] {
         if (x.needle_points == 0 || env.template live<Instances<Swage>>() == 0) return;
-        auto const b = env.template get<typename instance<Swage>::Index>(0);
+        auto const b = static_cast<int>(env.template get<typename instance<Swage>::Index>(0));
         x.thread.position[b] = end.position;
         if constexpr (!Needle::is_dynamic) {
           x.thread.velocity[b] = end.velocity;
           const_cast<bool*>(x.thread.known)[b] = true;
         }
+        hold_thread(env, context, x.thread, b);
       });
     team.sync();
   }
-
-  // The thread leaves the needle as the wire ends. Every lane has its own view, so all of them note it.
-  template <class Env, class Ctx, class X>
-  MPMPBD_HD static void hold_thread([[maybe_unused]] Env const& env,
-                                    [[maybe_unused]] Ctx const& context, [[maybe_unused]] X& x) {
-    using T = typename X::Scalar;
-    if constexpr (In::has_needle && swaged) {
-      if (x.needle_points == 0 || env.template live<Instances<Swage>>() == 0) return;
-      auto const& d = env.template domain<Needles>();
-      auto const arc = Needle::arc(context.template of<Needle>());
-      Vec3<T> const tangent =
-          quaternion::rotate(needle::pose(d.view, d.first).orientation, arc.tangent(arc.length()));
-      auto const b = static_cast<int>(env.template get<typename instance<Swage>::Index>(0));
-      bool const starts = detail::is_segment(x.thread, b);
-      x.thread.held = b;
-      x.thread.held_tangent = starts ? -tangent : tangent;
-    }
+  // It leaves the needle as the wire ends.
+  template <class Env, class Ctx, class T>
+  MPMPBD_HD static void hold_thread(Env const& env, Ctx const& context, ThreadState<T>& thread,
+                                    int bead) {
+    auto const& d = env.template domain<Needles>();
+    auto const arc = Needle::arc(context.template of<Needle>());
+    Vec3<T> const tangent =
+        quaternion::rotate(needle::pose(d.view, d.first).orientation, arc.tangent(arc.length()));
+    thread.held = bead;
+    thread.held_tangent = detail::is_segment(thread, bead) ? -tangent : tangent;
   }
 
   template <class Team_, class Env, class Ctx, class X>

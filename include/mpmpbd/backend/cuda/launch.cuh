@@ -193,6 +193,12 @@ template <class Scene, class T> struct StepRecord {
     return FixedPoint<T>::make(found.heaviest, context.lattice.dx, clock.dt);
   }
   __device__ Ctx at(int s) const { return at(context, clock, s); }
+  // The same for a team, which all of its threads look at where it lies.
+  template <class Team_> __device__ Ctx const& at(Team_ const& team, int s) {
+    team.one([&] { context.tick = clock.tick(s); });
+    team.sync();
+    return context;
+  }
   __device__ static Ctx at(Ctx context, StepClock<T> const& clock, int s) {
     context.tick = clock.tick(s);
     return context;

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 
 #include <mpmpbd/backend/cuda/couple.cuh>
 #include <mpmpbd/backend/cuda/memory.cuh>
@@ -23,7 +24,7 @@ namespace mpmpbd::cuda {
 template <class Scene> struct ResidentLaunch {
   Launch<Scene, float> step;
   std::int64_t environments;
-  int teams;
+  int teams, log2_of_team;            // how many, and of 2^log2_of_team threads each
   StepRecord<Scene, float>* records;  // per environment
   float4* grids;  // with a coupling: velocities after forces, per environment and node
 };
@@ -212,12 +213,12 @@ template <class Scene> class ResidentBlock {
 
   // The couplings of substep s; teams take the place of the grid.
   __device__ void couple_all(int s) {
-    int const threads = static_cast<int>(blockDim.x) / launch_.teams / Warp::size * Warp::size;
-    int const number = static_cast<int>(threadIdx.x) / threads;
+    PartOfBlock const team(launch_.log2_of_team);
+    int const number = team.number();
     if (number < launch_.teams)
       for (std::int64_t env = blockIdx.x + number * static_cast<std::int64_t>(gridDim.x);
            env < launch_.environments; env += launch_.teams * static_cast<std::int64_t>(gridDim.x))
-        couple(launch_, PartOfBlock(number, threads), env, s,
+        couple(launch_, team, env, s,
                reinterpret_cast<char*>(arena_.velocity.data) + number * launch_.step.fast_bytes);
     __syncthreads();
     arena_.clear_sums();
@@ -233,12 +234,12 @@ template <class Scene> class ResidentBlock {
     Velocities<float> const nodes{launch.grids + env * launch.step.lattice.count()};
     if (s > 0)
       record.note(Coupling::template run_apart<typename Coupling::After>(
-                      team, launch.step, env, nodes, record.at(s - 1), fast),
+                      team, launch.step, env, nodes, record.at(team, s - 1), fast),
                   s - 1);
     close(team, record, control, s);
     if (record.moves)
       record.note(Coupling::template run_apart<typename Coupling::Before>(
-                      team, launch.step, env, nodes, record.at(s), fast),
+                      team, launch.step, env, nodes, record.at(team, s), fast),
                   s);
   }
 
@@ -310,7 +311,11 @@ template <class Scene, int most_threads> class ResidentSteps {
     auto const teams = teams_for((environments_ + blocks - 1) / blocks, threads);
     auto const shared = std::clamp(teams * step.fast_bytes, grid_bytes_, limit);
     step.fast_bytes = shared / teams / 16 * 16;
-    ResidentLaunch<Scene> const all{step, environments_, static_cast<int>(teams),
+    auto const of_team = static_cast<unsigned>(threads / teams);
+    ResidentLaunch<Scene> const all{step,
+                                    environments_,
+                                    static_cast<int>(teams),
+                                    static_cast<int>(std::bit_width(of_team)) - 1,
                                     memory_.as<Record>(),
                                     memory_.as<float4>(grids_at(environments_))};
     start(stream, "a step", cuda::step<Scene, most_threads, Between>, blocks, threads,

@@ -78,22 +78,23 @@ struct BlockTeam : detail::ThreadsOfBlock<BlockTeam> {
 };
 
 // Some warps of a block that follow one another. Several such teams are at work side by side: each meets at a barrier of
-// its own.
-struct PartOfBlock : detail::ThreadsOfBlock<PartOfBlock> {
+// its own. All that a thread keeps of its team is one number.
+class PartOfBlock : public detail::ThreadsOfBlock<PartOfBlock> {
+ public:
   static constexpr int most = 15;  // a block has 16 barriers, one of them for all of its threads
 
-  // Team `number` of those with so many threads, a multiple of 32; 0 to most - 1.
-  __device__ PartOfBlock(int number, int threads)
-      : first_(number * threads), threads_(threads), barrier_(number + 1) {}
+  // The present thread's of those with 2^log2 threads, at least 32.
+  __device__ explicit PartOfBlock(int log2) : log2_(log2) {}
 
-  __device__ int rank() const { return static_cast<int>(threadIdx.x) - first_; }
-  __device__ int size() const { return threads_; }
+  __device__ int number() const { return static_cast<int>(threadIdx.x) >> log2_; }
+  __device__ int rank() const { return static_cast<int>(threadIdx.x) & (size() - 1); }
+  __device__ int size() const { return 1 << log2_; }
   __device__ void sync() const {
-    __barrier_sync_count(static_cast<unsigned>(barrier_), static_cast<unsigned>(threads_));
+    __barrier_sync_count(static_cast<unsigned>(number() + 1), static_cast<unsigned>(size()));
   }
 
  private:
-  int first_, threads_, barrier_;
+  int log2_;
 };
 
 // A run of numbers that all threads of the block share out.

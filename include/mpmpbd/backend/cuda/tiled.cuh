@@ -229,8 +229,9 @@ template <class Scene, class T> class TiledEnvironment {
     if constexpr (Stages::size > 0) {
       alignas(16) extern __shared__ char dynamic_shared_memory[];
       auto const nodes = block_.arena().velocity;
-      record.note(Coupling::template run<Stages>(BlockTeam{}, step(), block_.env, nodes,
-                                                 record.at(s), dynamic_shared_memory),
+      BlockTeam const team;
+      record.note(Coupling::template run<Stages>(team, step(), block_.env, nodes,
+                                                 record.at(team, s), dynamic_shared_memory),
                   s);
       __syncthreads();
     }
