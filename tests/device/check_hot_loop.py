@@ -16,8 +16,8 @@ import sys
 from collections import Counter
 
 INSTRUCTION = re.compile(r"/\*([0-9a-f]{4,6})\*/\s+(?:@!?U?P\w+\s+)?([A-Z][A-Z0-9_.]*)([^;]*);")
-MOST_KEPT_WORDS = 10
-INSTRUCTIONS_PER_NODE = 58
+MOST_KEPT_WORDS = 2
+INSTRUCTIONS_PER_NODE = 57
 STEP = "4cuda4stepI"  # cuda::step<...>, mangled
 
 

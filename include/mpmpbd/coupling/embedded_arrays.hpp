@@ -61,7 +61,7 @@ template <class T, class Form> struct EmbeddedArrays {
   RigidBody<T>* needle;
   ExchangeView<T, Form>* view;  // one for all lanes: a device would keep a copy for each, far away
   void* exchange;
-  FastMemory exchange_fast{};  // nvcc takes the constructor that is implied otherwise for the host's
+  FastMemory exchange_fast{};  // braced: nvcc takes an implied constructor for the host's
 
   // Cuts the arrays from `memory` (null: only measures), those that live for a substep from fast memory where there is some.
   // Returns how much of both is used.

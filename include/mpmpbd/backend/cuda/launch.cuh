@@ -12,6 +12,8 @@ namespace mpmpbd::cuda {
 
 // Of a block, as a caller may choose them.
 inline constexpr int fewest_threads = 128, most_threads = 512;
+// A block announces its next round without asking whether there is one: so many bytes lie behind the last particle.
+inline constexpr std::size_t announced_bytes = most_threads * sizeof(double);
 
 template <class Scene, class T> struct Launch {
   TablesOf<Scene, T> tables;

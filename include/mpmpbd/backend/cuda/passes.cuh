@@ -32,14 +32,17 @@ template <class Stage> struct Single {
   using Loads = stored_t<Reads>;
 };
 
-// Tells the memory of the device that fields of an item are loaded soon: they lie in its cache by then.
-template <class View_, class... Fs>
+// Tells the memory of the device that the same fields of the item so many slots `ahead` are loaded soon: they lie in its
+// cache by then. It has the addresses of this item, and may be behind the last one (see announced_bytes).
+template <int ahead, class View_, class... Fs>
 __device__ __forceinline__ void announce(View_ const& view, std::int64_t index, Fields<Fs...>) {
   auto const each_plane = [&]<class F>(F) {
+    [[maybe_unused]] auto const* const item = view.template plane<F>() + index;
     for (int c = 0; c < F::components; ++c) {
-      [[maybe_unused]] auto const* const number = view.template plane<F>(c) + index;
 #if defined(__CUDA_ARCH__)
-      asm volatile("prefetch.global.L2 [%0];" : : "l"(number));
+      asm volatile("prefetch.global.L2 [%0+%1];"
+                   :
+                   : "l"(item + c * view.stride), "n"(ahead * static_cast<int>(sizeof(*item))));
 #endif
     }
   };
@@ -51,7 +54,8 @@ struct Met {
   unsigned now = 0, next = 0;
 };
 
-template <class Scene, class T> struct ParticlePasses {
+// `ahead`: announces what as many slots ahead is visited next; 0: does not.
+template <class Scene, class T, int ahead = 0> struct ParticlePasses {
   using Body = typename Scene::Body;
   using P2G = ParticlesToGrid<Body, typename Scene::Effects>;
   using G2P = GridToParticles<Body, typename Scene::Effects>;
@@ -141,14 +145,24 @@ template <class Scene, class T> struct ParticlePasses {
       asm volatile("" : "+d"(v));
 #endif
   }
+  // Where particles are, which a block of so many threads that it announces reads for each of them, by an offset of zero that
+  // nvcc does not know: it has no registers to keep that in, and local memory is far away.
+  __device__ __forceinline__ auto const& particles([[maybe_unused]] std::int64_t index) const {
+    auto const& view = launch.particles().view;
+    if constexpr (ahead > 0)
+      return (&view)[index >> 63];  // the first
+    else
+      return view;
+  }
   // Moves a particle, if there is one, and adds it; threads without one go along.
   template <class Pass, class Move, class Add>
   __device__ __forceinline__ void visit(std::int64_t index, bool has_particle, Move const& move,
                                         Add const& add) const {
-    auto const& view = launch.particles().view;
+    auto const& view = particles(index);
     Local<T, typename Pass::Used> p{};  // threads without a particle hold rubbish otherwise
     if (has_particle) {
       p.load(view, index, typename Pass::Loads{});
+      if constexpr (ahead > 0) announce<ahead>(view, index, typename Pass::Loads{});
       move(p);
     }
     add(p);

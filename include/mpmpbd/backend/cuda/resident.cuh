@@ -34,7 +34,7 @@ template <class Scene> class ResidentBlock {
   using In = typename Scene::In;
   using Move = MoveNodes<typename In::Body, typename In::Effects>;
   using Coupling = Couple<Scene, float>;
-  using Passes = ParticlePasses<Scene, float>;
+  using Passes = ParticlePasses<Scene, float, most_threads>;  // the next round of a block
   using Record = StepRecord<Scene, float>;
   using Found = Findings<float>;
 
@@ -136,16 +136,10 @@ template <class Scene> class ResidentBlock {
     __syncthreads();
     return true;
   }
-  // What the block visits in its next round is announced to the memory.
   template <class Pass, class F>
   __device__ __forceinline__ void each_particle(std::int64_t env, F const& f) const {
     std::int64_t const first = launch_.step.first_particle(env);
-    int const live = launch_.step.live_particles(env), round = static_cast<int>(blockDim.x);
-    Run{0, live}.each([&](int slot) {
-      if (slot + round < live)
-        announce(launch_.step.particles().view, first + slot + round, typename Pass::Loads{});
-      f(first + slot);
-    });
+    Run{0, launch_.step.live_particles(env)}.each([&](int slot) { f(first + slot); });
   }
   // Counts what the substep before s has met, and ends the step where that was the last or the environment is lost.
   template <class Team_, class Control>

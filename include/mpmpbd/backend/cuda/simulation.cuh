@@ -71,7 +71,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     return Execution(where, run.environments(), run.lattice());
   }
   void take_memory(Base const& run) {
-    auto const state = Layout::bytes(run.state());
+    auto const state = Layout::bytes(run.state()) + cuda::announced_bytes;
     auto const masks = static_cast<std::size_t>(run.environments());
     auto const all = cuda::planes_of_environment(run.state());
     cuda::require_free(2 * state + masks + all.size() * sizeof(cuda::Plane) + execution.bytes());
