@@ -54,10 +54,9 @@ TEST_CASE("teams of a block work side by side and meet at barriers of their own"
     emulated::seed = seed;
     std::vector<int> visits(2 * 100), sums(2), seen(2);
     run_block(160, [&] {
-      auto const number = static_cast<int>(threadIdx.x) / 64;
-      if (number == 2) return;
       PartOfBlock const team(6);
-      if (team.number() != number) return;
+      auto const number = team.number();
+      if (number == 2) return;
       auto const at = static_cast<std::size_t>(number);
       for (int turn = 0; turn < number + 2; ++turn) {  // one meets more often than the other
         team.each(100, [&](int i) { ++visits[100 * at + static_cast<std::size_t>(i)]; });

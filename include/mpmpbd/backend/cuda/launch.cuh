@@ -195,7 +195,7 @@ template <class Scene, class T> struct StepRecord {
     return FixedPoint<T>::make(found.heaviest, context.lattice.dx, clock.dt);
   }
   __device__ Ctx at(int s) const { return at(context, clock, s); }
-  // The same for a team, which all of its threads look at where it lies.
+  // The same for a team, whose threads all look at it where it lies, until they meet to ask for another substep.
   template <class Team_> __device__ Ctx const& at(Team_ const& team, int s) {
     team.one([&] { context.tick = clock.tick(s); });
     team.sync();

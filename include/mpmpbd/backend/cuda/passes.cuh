@@ -38,6 +38,7 @@ template <int ahead, class View_, class... Fs>
 __device__ __forceinline__ void announce(View_ const& view, std::int64_t index, Fields<Fs...>) {
   auto const each_plane = [&]<class F>(F) {
     [[maybe_unused]] auto const* const item = view.template plane<F>() + index;
+    static_assert(ahead * sizeof(*item) <= announced_bytes);
     for (int c = 0; c < F::components; ++c) {
 #if defined(__CUDA_ARCH__)
       asm volatile("prefetch.global.L2 [%0+%1];"

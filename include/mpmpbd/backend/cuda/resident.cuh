@@ -112,14 +112,11 @@ template <class Scene> class ResidentBlock {
     }
     Passes const passes{launch_.step, arena_, unit};
     if (s == 0 && !scattered)
-      each_particle<typename Passes::Scattering>(
-          env, [&](std::int64_t i) { passes.scatter(i, now, met); });
+      each_particle(env, [&](std::int64_t i) { passes.scatter(i, now, met); });
     else if (s > 0 && s < clock.substeps)
-      each_particle<typename Passes::Both>(
-          env, [&](std::int64_t i) { passes.gather_and_scatter(i, before, now, met); });
+      each_particle(env, [&](std::int64_t i) { passes.gather_and_scatter(i, before, now, met); });
     else if (s > 0)
-      each_particle<typename Passes::Gathering>(
-          env, [&](std::int64_t i) { passes.gather(i, before, met); });
+      each_particle(env, [&](std::int64_t i) { passes.gather(i, before, met); });
     if (s > 0) record.note(met.now, s - 1);
     record.note(met.next, s);
     __syncthreads();
@@ -136,7 +133,7 @@ template <class Scene> class ResidentBlock {
     __syncthreads();
     return true;
   }
-  template <class Pass, class F>
+  template <class F>
   __device__ __forceinline__ void each_particle(std::int64_t env, F const& f) const {
     std::int64_t const first = launch_.step.first_particle(env);
     Run{0, launch_.step.live_particles(env)}.each([&](int slot) { f(first + slot); });
@@ -193,8 +190,7 @@ template <class Scene> class ResidentBlock {
     ParticleLook<Scene, float> const look(launch_.step);
     auto const now = record.at(0);
     Found found;
-    each_particle<typename Passes::Scattering>(
-        env, [&](std::int64_t i) { passes.look_and_scatter(i, now, look, found, met); });
+    each_particle(env, [&](std::int64_t i) { passes.look_and_scatter(i, now, look, found, met); });
     return found;
   }
   // Where the velocities of an environment are until its particles gather them; sums are the block's.
@@ -305,7 +301,7 @@ template <class Scene, int most_threads> class ResidentSteps {
     auto const teams = teams_for((environments_ + blocks - 1) / blocks, threads);
     auto const shared = std::clamp(teams * step.fast_bytes, grid_bytes_, limit);
     step.fast_bytes = shared / teams / 16 * 16;
-    auto const of_team = static_cast<unsigned>(threads / teams);
+    auto const of_team = static_cast<unsigned>(threads / teams);  // at least a warp
     ResidentLaunch<Scene> const all{step,
                                     environments_,
                                     static_cast<int>(teams),
