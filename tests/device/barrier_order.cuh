@@ -10,7 +10,7 @@
 namespace test {
 
 struct BarrierOrder {
-  int threads, log2_of_team, nodes, substeps, turns;
+  int threads, log2_of_team, nodes, substeps, turns;  // teams of 2^log2_of_team threads
 
   MPMPBD_HD static int environments(int block) { return 1 + block % 2; }
   MPMPBD_HD static unsigned filled(int node, int substep) {

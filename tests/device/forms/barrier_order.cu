@@ -1,6 +1,6 @@
 // A block that meets as a resident one does, where racecheck can look at it alone:
 //   compute-sanitizer --tool racecheck test_device_barrier_order
-// What it says of this program it says of a resident step of several environments (docs/results/device.md).
+// Of a kernel like this one it reported races (docs/results/device.md).
 #include <vector>
 
 #include <mpmpbd/backend/cuda/memory.cuh>
