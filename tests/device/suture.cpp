@@ -87,9 +87,10 @@ void compare_with_catenary() {
 
 }  // namespace
 
-int main() {
+// With any argument no thread comes to rest, which takes long: for compute-sanitizer.
+int main(int argc, char**) {
   compare_with_host();
   compare_companies();
-  compare_with_catenary();
+  if (argc == 1) compare_with_catenary();
   return report.end();
 }
