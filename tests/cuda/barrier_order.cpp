@@ -6,11 +6,12 @@
 
 TEST_CASE("a block meets in the order of a resident one", "[cuda][team]") {
   for (int log2 : {5, 6})
-    for (int block : {0, 1}) {
-      test::BarrierOrder const order{128, log2, 640, 3, 4};
-      std::vector<unsigned> grid(640), seen(128);
-      blockDim = dim3(128);
-      emulated::Block(128, [&] { seen[threadIdx.x] = order.run(grid.data(), block); }).run();
-      CHECK(seen == order.expected(block));
-    }
+    for (int block : {0, 1})
+      for (bool twice : {false, true}) {
+        test::BarrierOrder const order{128, log2, 640, 3, 4, twice};
+        std::vector<unsigned> grid(640), seen(128);
+        blockDim = dim3(128);
+        emulated::Block(128, [&] { seen[threadIdx.x] = order.run(grid.data(), block); }).run();
+        CHECK(seen == order.expected(block));
+      }
 }

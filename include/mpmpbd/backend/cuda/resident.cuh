@@ -69,12 +69,12 @@ template <class Scene> class ResidentBlock {
   }
   // A thread for each, of as many warps as there are.
   template <class Between> __device__ void each_environment(Between const& between) const {
-    meet_all();
+    sync_block();
     std::int64_t const warp = threadIdx.x / Warp::size, warps = blockDim.x / Warp::size;
     for (std::int64_t env = blockIdx.x + warp * gridDim.x; env < launch_.environments;
          env += warps * gridDim.x)
       Warp{}.one([&] { between(env); });
-    meet_all();
+    sync_block();
   }
 
   // Particles and grids of all environments to substep s. Returns whether there is one that still moves.
@@ -107,7 +107,7 @@ template <class Scene> class ResidentBlock {
     auto const grid = after_forces(env);
     if (Coupling::any && s > 0) {
       arena_.velocity.end_copy();
-      meet_all();
+      sync_block();
       move_items(launch_, env, arena_.velocity, s - 1);
     }
     Passes const passes{launch_.step, arena_, unit};
@@ -119,18 +119,18 @@ template <class Scene> class ResidentBlock {
       each_particle(env, [&](std::int64_t i) { passes.gather(i, before, met); });
     if (s > 0) record.note(met.now, s - 1);
     record.note(met.next, s);
-    meet_all();
+    sync_block();
     if constexpr (!Coupling::any) {
       close(BlockTeam{}, record, control, s);
       if (!record.moves) {
         arena_.clear_sums();
-        meet_all();
+        sync_block();
         return false;
       }
     }
     fetch(env + gridDim.x, s);
     if (s < clock.substeps) record.note(move_nodes<Move>(grid, Run{0, arena_.count}, now, unit), s);
-    meet_all();
+    sync_block();
     return true;
   }
   template <class F>
@@ -162,7 +162,7 @@ template <class Scene> class ResidentBlock {
       record.open(control, launch_.step.moves(env), launch_.step.lattice);
       found_ = {};
     }
-    meet_all();
+    sync_block();
     if (!record.moves) return false;
     constexpr bool leaves_particles = Passes::Scattering::Keeps::count == 0;
     bool const early = leaves_particles && record.expected.substeps > 0;
@@ -171,17 +171,17 @@ template <class Scene> class ResidentBlock {
                       : look_at_particles(launch_.step, env, all, record.context);
     mine.held |= lost_bodies(BlockTeam{}, control.env);
     found_.include(mine);
-    meet_all();
+    sync_block();
     if (threadIdx.x == 0) {
       record.found = found_;
       record.choose(control, launch_.step);
     }
-    meet_all();
+    sync_block();
     bool const holds = early && record.moves && record.as_expected();
     if (early && !holds) {
       met = {};
       arena_.clear_sums();
-      meet_all();
+      sync_block();
     }
     return holds;
   }
@@ -210,9 +210,9 @@ template <class Scene> class ResidentBlock {
            env < launch_.environments; env += launch_.teams * static_cast<std::int64_t>(gridDim.x))
         couple(launch_, team, env, s,
                reinterpret_cast<char*>(arena_.velocity.data) + number * launch_.step.fast_bytes);
-    meet_all();
+    sync_block();
     arena_.clear_sums();
-    meet_all();
+    sync_block();
   }
   // A function of its own, told little: what its call takes must not crowd the particles' registers.
   __device__ __noinline__ static void couple(ResidentLaunch<Scene> const& launch,

@@ -77,10 +77,10 @@ struct BlockTeam : detail::ThreadsOfBlock<BlockTeam> {
   __device__ void sync() const { __syncthreads(); }
 };
 
-// All threads of a block meet, some of which have met as teams of their own (PartOfBlock). Once would do, and twice costs no
-// time that can be measured. It is for racecheck: where warps come to a barrier after unequal numbers of others, it takes
-// what they do before and after one barrier for unordered, and before and after two for ordered.
-__device__ inline void meet_all() {
+// A barrier for all threads of a block, some of which have met at barriers of their own teams (PartOfBlock). One would do, and
+// two cost no time that can be measured. The second is for racecheck: where warps come to a barrier after unequal numbers of
+// others, it takes what they do before and after one for unordered, before and after two for ordered.
+__device__ inline void sync_block() {
   __syncthreads();
   __syncthreads();
 }
