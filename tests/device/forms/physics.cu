@@ -22,7 +22,7 @@ void within(char const* what, double got, double wanted, double allowed) {
   report.count(ok);
 }
 
-// A tenth of a revolution, within the noise of fixed point.
+// Part of a revolution, within the noise of fixed point.
 template <class Gradient> void disc(char const* name, double revolutions = 0.1) {
   using Body = Mpm<FixedCorotated, Apic, Gradient>;
   using Host = Disc<Body, 8, Serial, float>;
@@ -51,6 +51,7 @@ void capstan() {
   within("status", device.status, host.status, 0.0);
 }
 
+// In, and out again; `deepest` [cells].
 template <class Backend> Stroke<Backend, float> stroke(double deepest) {
   Stroke<Backend, float> s({.deepest = deepest});
   s.move_to(s.way.deepest, 1, s.in);
@@ -72,7 +73,7 @@ void pushed_needle() {
   within("status", device.run.status(0), host.run.status(0), 0.0);
 }
 
-// Every path of those, too briefly to show a law.
+// The discs and the needle, too briefly to show a law.
 void brief() {
   disc<Mls>("a disc in free flight, MLS", 0.04);
   disc<WeightGradient>("a disc in free flight, weight gradients", 0.04);
@@ -80,6 +81,7 @@ void brief() {
   auto const device = stroke<Cuda>(1);
   within("a needle that pricks gel: work, against the host's", device.work / host.work, 1.0, 1e-3);
   within("depth of the first touch", device.touched, host.touched, 1e-9);
+  within("status", device.run.status(0), host.run.status(0), 0.0);
 }
 
 }  // namespace
