@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""compute-sanitizer on the device tests: a row of a table for each program, a column for each tool.
+
+    tests/device/sanitize.py build/release/tests/device [program ...] [--jobs 2] [--limit 300]
+
+Programs run in their brief forms, `jobs` at a time on each GPU that nvidia-smi names. A run is clean when the tool counts no
+error and the program's own checks pass. The exit status is 1 when one is not.
+"""
+
+import argparse
+import concurrent.futures
+import os
+import pathlib
+import queue
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+TOOLS = ("memcheck", "racecheck", "initcheck")
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "examples" / "scenes"
+PREFIX = "test_device_"
+# On the host: runs side by side would wait for each other's.
+FEW_THREADS = {"OMP_NUM_THREADS": "2"}
+# Those that take longest come first.
+BRIEF = ("step_loop", "resident", "batch", "physics", "suture", "stitch")
+WHOLE = ("scenes", "threads", "materials", "coupling_exchange", "tissue_pressure", "tissue", "barrier_order")
+
+
+def arguments(name):
+    """Those of a program's brief form."""
+    return [] if name in WHOLE else [SCENES, "x"] if name == "step_loop" else ["x"]
+
+
+def verdict(status, output):
+    """`clean`, or what is wrong. A program closes with `N passed, N failed`, the tool with its summary."""
+    checks = re.findall(r"^\d+ passed, (\d+) failed$", output, re.MULTILINE)
+    summary = re.findall(r"SUMMARY: (.*)", output)
+    if status == 124:
+        return "did not end"
+    if not summary or not checks:
+        return f"ended early, exit status {status}"
+    if not re.match("0 (errors|hazards)", summary[-1]):
+        return summary[-1]
+    return "clean" if status == 0 else f"{checks[-1]} checks failed, exit status {status}"
+
+
+class Runs:
+    """Runs side by side, each on a GPU that has room; their output is kept in a folder."""
+
+    def __init__(self, programs, kept, limit, jobs):
+        self.programs, self.kept, self.limit = programs, kept, limit
+        gpus = subprocess.run(["nvidia-smi", "-L"], check=True, capture_output=True, text=True).stdout.splitlines()
+        self.room = queue.Queue()
+        for gpu in list(range(len(gpus))) * jobs:
+            self.room.put(gpu)
+        self.at_once = self.room.qsize()
+
+    def __call__(self, name, tool):
+        command = ["timeout", str(self.limit), "compute-sanitizer", "--tool", tool, "--error-exitcode", "9",
+                   self.programs / (PREFIX + name), *arguments(name)]
+        output = self.kept / f"{name}.{tool}.txt"
+        gpu = self.room.get()
+        begun = time.monotonic()
+        with output.open("w") as out:
+            status = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT,
+                                    env={**os.environ, "CUDA_VISIBLE_DEVICES": str(gpu), **FEW_THREADS}).returncode
+        self.room.put(gpu)
+        found = f"{verdict(status, output.read_text(errors='replace'))}, {time.monotonic() - begun:.0f} s"
+        print(f"{name}, {tool}: {found}", flush=True)
+        return found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("programs", type=pathlib.Path, help="folder of the device tests")
+    parser.add_argument("names", nargs="*", default=BRIEF + WHOLE, help="without test_device_; all where none is named")
+    parser.add_argument("--jobs", type=int, default=2, help="runs at a time on a GPU")
+    parser.add_argument("--limit", type=int, default=300, help="of a run [s]")
+    parser.add_argument("--out", type=pathlib.Path, help="a folder for what the runs print")
+    args = parser.parse_args()
+    kept = args.out or pathlib.Path(tempfile.mkdtemp(prefix="mpmpbd_sanitize_"))
+    kept.mkdir(parents=True, exist_ok=True)
+
+    runs = Runs(args.programs, kept, args.limit, args.jobs)
+    with concurrent.futures.ThreadPoolExecutor(runs.at_once) as pool:
+        found = {(name, tool): pool.submit(runs, name, tool) for name in args.names for tool in TOOLS}
+    print("\n| program | " + " | ".join(TOOLS) + " |\n|---|" + "---|" * len(TOOLS))
+    for name in args.names:
+        print(f"| `{name}` | " + " | ".join(found[name, tool].result() for tool in TOOLS) + " |")
+    print(f"\nwhat the runs printed: {kept}")
+    return 0 if all(f.result().startswith("clean") for f in found.values()) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
