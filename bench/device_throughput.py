@@ -134,7 +134,8 @@ def devices(rows):
     found = rows.all(table="devices")
     lines = []
     for r in found:
-        times = float(found[0]["ns"]) / float(r["ns"])
+        alone = rows.one(table="devices", devices="1", gpu=r["gpu"])
+        times = float(alone["ns"]) / float(r["ns"])
         lines.append((r["devices"], r["gpu"], r["environments"], time_of(r), f"{float(r['ns']):.4f}", f"{times:.2f}"))
     return table(("devices", "of kind", "environments", "ms per step", "ns per particle and substep", "times one"), lines)
 
