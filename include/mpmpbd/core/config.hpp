@@ -31,3 +31,9 @@
 #else
 #define MPMPBD_UNROLL
 #endif
+// Before a loop that a thread rarely goes through more than once, so that a device has no copies of it.
+#if defined(__CUDA_ARCH__)
+#define MPMPBD_NO_UNROLL _Pragma("unroll 1")
+#else
+#define MPMPBD_NO_UNROLL
+#endif

@@ -458,9 +458,7 @@ MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const&
   e.move_alone();
   if (e.touches_tissue()) {
     e.warm_start();
-#if defined(__CUDA_ARCH__)
-#pragma unroll 1
-#endif
+    MPMPBD_NO_UNROLL
     for (int i = 0; i < sweeps; ++i) {
       e.observe();
       e.sweep(i == 0);

@@ -7,6 +7,9 @@
 
 namespace mpmpbd {
 
+// What teams and groups share out is not unrolled: a thread has one item of most stages, rarely many, and a coupling waits for
+// its code, which is longer than what a multiprocessor holds.
+
 // The threads of a warp as a group.
 struct Warp {
   static constexpr int size = 32;
@@ -14,6 +17,7 @@ struct Warp {
 
   __device__ static int lane() { return static_cast<int>(threadIdx.x) % size; }
   template <class F> __device__ void each(int n, F const& f) const {
+    MPMPBD_NO_UNROLL
     for (int i = lane(); i < n; i += size) f(i);
   }
   template <class F> __device__ void one(F const& f) const {
@@ -51,6 +55,7 @@ namespace detail {
 // are integers in shared or global memory.
 template <class Team_> struct ThreadsOfBlock {
   template <class F> __device__ void each(int n, F const& f) const {
+    MPMPBD_NO_UNROLL
     for (int i = self().rank(); i < n; i += self().size()) f(i);
   }
   // The last one: it has least to do of what threads share out, so that both go on side by side.
@@ -60,6 +65,7 @@ template <class Team_> struct ThreadsOfBlock {
   // Those that are no whole warp have no share.
   template <class F> __device__ void groups(int n, F const& f) const {
     int const warps = self().size() / Warp::size, mine = self().rank() / Warp::size;
+    MPMPBD_NO_UNROLL
     for (int i = mine; mine < warps && i < n; i += warps) f(Warp{}, i);
   }
   __device__ int add(int& counter, int amount) const { return atomicAdd(&counter, amount); }
