@@ -194,8 +194,11 @@ def plot(rows, path):
 def commits(rows):
     """The commit of the first row, and those of tables that were measured at others."""
     first = rows.rows[0]["commit"]
-    others = {(r["table"], r["commit"]) for r in rows.rows if r["commit"] != first}
-    return first + "".join(f", `{table}` at {commit}" for table, commit in sorted(others))
+    others = {}
+    for row in rows.rows:
+        if row["commit"] != first:
+            others.setdefault(row["table"], set()).add(row["commit"])
+    return first + "".join(f", `{table}` at {' and '.join(sorted(at))}" for table, at in sorted(others.items()))
 
 
 def write(rows, out):

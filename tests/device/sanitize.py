@@ -3,7 +3,7 @@
 
     tests/device/sanitize.py build/release/tests/device [program ...] [--jobs 2] [--limit 300]
 
-Programs run in their brief forms, `jobs` at a time on each GPU that nvidia-smi names. A run is clean when the tool counts no
+Programs run in their brief forms, `jobs` at a time on each GPU that is visible. A run is clean when the tool counts no
 error and the program's own checks pass. The exit status is 1 when one is not.
 """
 
@@ -46,14 +46,21 @@ def verdict(status, output):
     return "clean" if status == 0 else f"{checks[-1]} checks failed, exit status {status}"
 
 
+def visible():
+    """Numbers of the GPUs that may be used: those of CUDA_VISIBLE_DEVICES, or all."""
+    if chosen := os.environ.get("CUDA_VISIBLE_DEVICES"):
+        return chosen.split(",")
+    listed = subprocess.run(["nvidia-smi", "-L"], check=True, capture_output=True, text=True).stdout
+    return [str(gpu) for gpu in range(len(listed.splitlines()))]
+
+
 class Runs:
     """Runs side by side, each on a GPU that has room; their output is kept in a folder."""
 
     def __init__(self, programs, kept, limit, jobs):
         self.programs, self.kept, self.limit = programs, kept, limit
-        gpus = subprocess.run(["nvidia-smi", "-L"], check=True, capture_output=True, text=True).stdout.splitlines()
         self.room = queue.Queue()
-        for gpu in list(range(len(gpus))) * jobs:
+        for gpu in visible() * jobs:
             self.room.put(gpu)
         self.at_once = self.room.qsize()
 
@@ -65,7 +72,7 @@ class Runs:
         begun = time.monotonic()
         with output.open("w") as out:
             status = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT,
-                                    env={**os.environ, "CUDA_VISIBLE_DEVICES": str(gpu), **FEW_THREADS}).returncode
+                                    env={**os.environ, "CUDA_VISIBLE_DEVICES": gpu, **FEW_THREADS}).returncode
         self.room.put(gpu)
         found = f"{verdict(status, output.read_text(errors='replace'))}, {time.monotonic() - begun:.0f} s"
         print(f"{name}, {tool}: {found}", flush=True)
