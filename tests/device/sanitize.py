@@ -21,26 +21,26 @@ import time
 TOOLS = ("memcheck", "racecheck", "initcheck")
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "examples" / "scenes"
 PREFIX = "test_device_"
-# On the host: runs side by side would wait for each other's.
+# Of a run on the host, which has others beside it.
 FEW_THREADS = {"OMP_NUM_THREADS": "2"}
-# Those that take longest come first.
-BRIEF = ("step_loop", "resident", "batch", "physics", "suture", "stitch")
-WHOLE = ("scenes", "threads", "materials", "coupling_exchange", "tissue_pressure", "tissue", "barrier_order")
+# Arguments of the programs that have a brief form; those that take longest come first.
+BRIEF = {"step_loop": (SCENES, "x"), **dict.fromkeys(("physics", "batch", "resident", "suture", "stitch"), ("x",))}
 
 
-def arguments(name):
-    """Those of a program's brief form."""
-    return [] if name in WHOLE else [SCENES, "x"] if name == "step_loop" else ["x"]
+def names_in(programs):
+    """Of all device tests in a folder, those with a brief form first."""
+    found = {path.name.removeprefix(PREFIX) for path in programs.glob(PREFIX + "*") if os.access(path, os.X_OK)}
+    return [name for name in BRIEF if name in found] + sorted(found - BRIEF.keys())
 
 
 def verdict(status, output):
     """`clean`, or what is wrong. A program closes with `N passed, N failed`, the tool with its summary."""
-    checks = re.findall(r"^\d+ passed, (\d+) failed$", output, re.MULTILINE)
+    checks = re.findall(r"^[1-9]\d* passed, (\d+) failed$", output, re.MULTILINE)
     summary = re.findall(r"SUMMARY: (.*)", output)
     if status == 124:
         return "did not end"
     if not summary or not checks:
-        return f"ended early, exit status {status}"
+        return f"ended early or checked nothing, exit status {status}"
     if not re.match("0 (errors|hazards)", summary[-1]):
         return summary[-1]
     return "clean" if status == 0 else f"{checks[-1]} checks failed, exit status {status}"
@@ -66,7 +66,7 @@ class Runs:
 
     def __call__(self, name, tool):
         command = ["timeout", str(self.limit), "compute-sanitizer", "--tool", tool, "--error-exitcode", "9",
-                   self.programs / (PREFIX + name), *arguments(name)]
+                   self.programs / (PREFIX + name), *BRIEF.get(name, ())]
         output = self.kept / f"{name}.{tool}.txt"
         gpu = self.room.get()
         begun = time.monotonic()
@@ -82,19 +82,22 @@ class Runs:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs", type=pathlib.Path, help="folder of the device tests")
-    parser.add_argument("names", nargs="*", default=BRIEF + WHOLE, help="without test_device_; all where none is named")
+    parser.add_argument("names", nargs="*", help="without test_device_; all where none is named")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time on a GPU")
     parser.add_argument("--limit", type=int, default=300, help="of a run [s]")
     parser.add_argument("--out", type=pathlib.Path, help="a folder for what the runs print")
     args = parser.parse_args()
+    names = args.names or names_in(args.programs)
+    if not names:
+        parser.error(f"{args.programs}: no {PREFIX}* there; give the folder where they were built")
     kept = args.out or pathlib.Path(tempfile.mkdtemp(prefix="mpmpbd_sanitize_"))
     kept.mkdir(parents=True, exist_ok=True)
 
     runs = Runs(args.programs, kept, args.limit, args.jobs)
     with concurrent.futures.ThreadPoolExecutor(runs.at_once) as pool:
-        found = {(name, tool): pool.submit(runs, name, tool) for name in args.names for tool in TOOLS}
+        found = {(name, tool): pool.submit(runs, name, tool) for name in names for tool in TOOLS}
     print("\n| program | " + " | ".join(TOOLS) + " |\n|---|" + "---|" * len(TOOLS))
-    for name in args.names:
+    for name in names:
         print(f"| `{name}` | " + " | ".join(found[name, tool].result() for tool in TOOLS) + " |")
     print(f"\nwhat the runs printed: {kept}")
     return 0 if all(f.result().startswith("clean") for f in found.values()) else 1
