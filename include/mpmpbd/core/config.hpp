@@ -31,7 +31,8 @@
 #else
 #define MPMPBD_UNROLL
 #endif
-// Before a loop that a thread rarely goes through more than once, so that a device has no copies of it.
+
+// Before a loop of which a device is to have no copies: a coupling waits for its code, and the longer that is the longer.
 #if defined(__CUDA_ARCH__)
 #define MPMPBD_NO_UNROLL _Pragma("unroll 1")
 #else

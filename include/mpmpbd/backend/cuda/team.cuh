@@ -7,8 +7,7 @@
 
 namespace mpmpbd {
 
-// What teams and groups share out is not unrolled: a thread has one item of most stages, rarely many, and a coupling waits for
-// its code, which is longer than what a multiprocessor holds.
+// What teams and groups share out is not unrolled, since a thread has one item of most stages, rarely many.
 
 // The threads of a warp as a group.
 struct Warp {
