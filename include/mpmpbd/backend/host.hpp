@@ -118,7 +118,7 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     StepBounds<T> all;
     for (auto const& b : of_chunk) all.include(b);
     for (auto f : work_.faults) faults |= f;
-    all.speed = max(all.speed, needle_speed<Scene>(access(), context_));
+    all.speed2 = max(all.speed2, square(needle_speed<Scene>(access(), context_)));
     return all;
   }
 

@@ -15,6 +15,8 @@ template <Real T> MPMPBD_HD constexpr T select(bool condition, T a, T b) {
   return condition ? a : b;
 }
 MPMPBD_HD constexpr bool any(bool condition) { return condition; }
+// Both, without a branch between them.
+MPMPBD_HD constexpr bool both_hold(bool a, bool b) { return a & b; }
 
 // How many particles a scalar type holds.
 template <class T> inline constexpr int lanes = 1;
@@ -98,6 +100,10 @@ MPMPBD_WIDE Pack<float> select(Pack<float>::Condition const& c, Pack<float> cons
                                Pack<float> const& b) {
   using Mask = Pack<float>::Mask;
   return Pack<float>::Lanes((c.m & Mask(a.v)) | (~c.m & Mask(b.v)));
+}
+MPMPBD_WIDE Pack<float>::Condition both_hold(Pack<float>::Condition const& a,
+                                             Pack<float>::Condition const& b) {
+  return a && b;
 }
 MPMPBD_WIDE bool any(Pack<float>::Condition const& c) {
   typedef long long Pairs __attribute__((vector_size(32)));

@@ -144,7 +144,8 @@ template <class Body> struct Gather {
     V const column = total(planes.weighted), weighted = w_x * column;
     q.velocity = N::add(q.velocity, weighted);
     if constexpr (moments) {
-      q.moment[0] = N::add(q.moment[0], N::numbered(i - middle) * weighted);
+      if (!N::all_zero(i - middle))
+        q.moment[0] = N::add(q.moment[0], N::numbered(i - middle) * weighted);
       q.moment[1] = N::add(q.moment[1], w_x * total(planes.moment_y));
       q.moment[2] = N::add(q.moment[2], w_x * moment_of<S>(planes.weighted));
     }
@@ -179,9 +180,10 @@ template <class Body> struct Gather {
     auto const low = T(lowest_cell<Shape, S>() * lattice.dx);
     Vec3<T> high;
     for (int a = 0; a < 3; ++a) high[a] = T(highest_cell<Shape, S>(lattice.nodes[a]) * lattice.dx);
-    auto const inside = [&](int a) { return x[a] >= low && x[a] <= high[a]; };
+    auto const inside = [&](int a) { return both_hold(x[a] >= low, x[a] <= high[a]); };
     auto const slow = [&](int a) { return abs(v[a]) * T(dt) <= farthest; };
-    if (!any(!(inside(0) && inside(1) && inside(2) && slow(0) && slow(1) && slow(2)))) return 0;
+    auto const well = [&](int a) { return both_hold(inside(a), slow(a)); };
+    if (!any(!both_hold(both_hold(well(0), well(1)), well(2)))) return 0;
     std::uint32_t faults = 0;
     for (int a = 0; a < 3; ++a) {
       if (any(!inside(a))) {

@@ -16,6 +16,7 @@ template <class T> struct OneNode {
 
   MPMPBD_INLINE static T each(T const* of_node) { return of_node[0]; }
   MPMPBD_INLINE static T numbered(int first) { return T(first); }
+  MPMPBD_INLINE static bool all_zero(int first) { return first == 0; }  // of these numbers
   template <class Q> MPMPBD_INLINE static Q all(Q const& q) { return q; }
   template <class Row> MPMPBD_INLINE static Values load(Row const& row, int first) {
     return row[first];
@@ -39,6 +40,7 @@ struct TwoNodes {
     float const n[2] = {static_cast<float>(first), static_cast<float>(first + 1)};
     return each(n);
   }
+  MPMPBD_WIDE static bool all_zero(int) { return false; }
   MPMPBD_WIDE static Values all(Quad<float> const& q) { return both(q, q); }
   MPMPBD_WIDE static Values load(Quad<float> const* row, int first) {
     return Values::load(reinterpret_cast<float const*>(row + first));

@@ -98,7 +98,7 @@ template <class Body> struct Scatter {
 
   // Adds one particle (or a pack of them, one after the other) to the grid: `grid.window(node).row(j, k)` is
   // a row along x from there, and `row.add(n, quad)` adds to its n-th node. `add_previous` adds the same without the impulse of
-  // the forces, for transfers that ask. A kernel adds in fixed point: its grid says what one of its counts is (in_counts) and
+  // the forces, for transfers that ask. A kernel adds in fixed point: its grid says what one of its counts is (unit) and
   // rounds what the nodes get, one after the other (shares). With `driven`, particles have an Acceleration. Returns Fault::speed
   // where a particle brings more than sums of counts hold (most_cells per substep), and it was slowed down to that.
   template <bool driven = false, class P, class Grid, class S>
@@ -107,18 +107,18 @@ template <class Body> struct Scatter {
     using T = typename P::Scalar;
     auto const s = Stencils<T, Shape>::at(lattice, p[particle::Position{}]);
     auto const w = Weights<T>::at(s.f);
+    auto const amount = amount_in<T>(grid, p);
     detail::LaneMomentum<S> carried[lanes<T>];
     std::uint32_t faults = 0;
-    to_each(momentum<Form::uses_moment, driven>(p, s, lattice, dt), carried);
+    to_each(momentum<Form::uses_moment, driven>(p, amount, s, lattice, dt), carried);
     if constexpr (!Form::uses_moment)
-      impulse_to_each(T(-dt * lattice.inverse_dx) * p[particle::Volume{}], p[particle::Stress{}],
-                      carried);
-    if constexpr (requires { grid.in_counts(carried[0].value); }) faults |= count(carried[0], grid);
+      impulse_to_each(T(-dt * lattice.inverse_dx) * amount.volume, p[particle::Stress{}], carried);
+    if constexpr (counts<Grid>) faults |= slow_down<Grid>(carried[0]);
     for (int l = 0; l < lanes<T>; ++l) add<false>(grid, s.of_lane(l), w.of_lane(l), carried[l]);
     if constexpr (Transfer::needs_previous_grid) {
       detail::LaneMomentum<S> before[lanes<T>]{};
-      to_each(momentum<false, false>(p, s, lattice, dt), before);
-      if constexpr (requires { grid.in_counts(before[0].value); }) faults |= count(before[0], grid);
+      to_each(momentum<false, false>(p, amount, s, lattice, dt), before);
+      if constexpr (counts<Grid>) faults |= slow_down<Grid>(before[0]);
       for (int l = 0; l < lanes<T>; ++l) add<true>(grid, s.of_lane(l), w.of_lane(l), before[l]);
     }
     return faults;
@@ -126,6 +126,18 @@ template <class Body> struct Scatter {
 
  private:
   template <class T> using Weights = StencilWeights<T, Shape, !Form::uses_moment>;
+  template <class Grid> static constexpr bool counts = requires(Grid const& g) { g.unit; };
+
+  // Mass and volume of a particle, in units of the sums of momentum; and its mass in that of the sums of mass.
+  template <class T> struct Amount { T inertia, volume, mass; };
+  template <class T, class Grid, class P>
+  MPMPBD_INLINE static Amount<T> amount_in(Grid const& grid, P const& p) {
+    T const m = p[particle::Mass{}], V = p[particle::Volume{}];
+    if constexpr (counts<Grid>)
+      return {grid.unit.momentum * m, grid.unit.momentum * V, grid.unit.mass * m};
+    else
+      return {m, V, m};
+  }
 
   // Numbers of all lanes become quads of each.
   template <class T, class S, int count>
@@ -151,38 +163,31 @@ template <class Body> struct Scatter {
     }
   }
 
-  // What a particle brings, in counts of the grid, in which momentum at a cell per substep is as much as mass: it is
+  // What a particle brings, in counts of the grid, in which momentum at a cell per substep is as much as mass, is
   // scaled down so that no node of the stencil gets more than at the grid's most_cells per substep.
-  template <class S, class Grid>
-  MPMPBD_INLINE static std::uint32_t count(detail::LaneMomentum<S>& q, Grid const& grid) {
-    auto const each_change = [&q](auto const& f) MPMPBD_ALWAYS_INLINE {
-      for (auto& g : q.gradient) g = f(g);
-      if constexpr (!Form::uses_moment)
-        for (auto& b : q.impulse) b = f(b);
-    };
-    q.value = grid.in_counts(q.value);
-    each_change([&grid](auto const& c) MPMPBD_ALWAYS_INLINE { return grid.in_counts(c); });
+  template <class Grid, class S>
+  MPMPBD_INLINE static std::uint32_t slow_down(detail::LaneMomentum<S>& q) {
     S const most = Grid::most_cells * q.value[3], fastest = greatest_momentum(q);
     if (!(fastest > most)) return 0;
     S const share = most / fastest;
     q.value = quad<S>(share * q.value[0], share * q.value[1], share * q.value[2], q.value[3]);
-    each_change([share](auto const& c) MPMPBD_ALWAYS_INLINE { return share * c; });
+    for (auto& g : q.gradient) g = share * g;
+    if constexpr (!Form::uses_moment)
+      for (auto& b : q.impulse) b = share * b;
     return static_cast<std::uint32_t>(Fault::speed);
   }
   // A component of momentum over weight at any node of the stencil is no more: that of its middle, and what there
   // is from there to a corner.
   template <class S> MPMPBD_INLINE static S greatest_momentum(detail::LaneMomentum<S> const& q) {
     constexpr S half = S(Shape::width - 1) / 2;
-    S greatest = S(0);
-    for (int i = 0; i < 3; ++i) {
-      S middle = q.value[i], reach = S(0);
-      for (int a = 0; a < 3; ++a) {
-        middle += half * q.gradient[a][i], reach += half * abs(q.gradient[a][i]);
-        if constexpr (!Form::uses_moment) reach += abs(q.impulse[a][i]);
-      }
-      greatest = max(greatest, abs(middle) + reach);
-    }
-    return greatest;
+    auto const of = [&q](int i) MPMPBD_ALWAYS_INLINE {
+      auto const sum = [i](auto const& c) { return c[0][i] + c[1][i] + c[2][i]; };
+      auto const size = [i](auto const& c) { return abs(c[0][i]) + abs(c[1][i]) + abs(c[2][i]); };
+      S const reach = half * size(q.gradient);
+      S const greatest = abs(q.value[i] + half * sum(q.gradient)) + reach;
+      return Form::uses_moment ? greatest : greatest + size(q.impulse);
+    };
+    return max(max(of(0), of(1)), of(2));
   }
 
   // Adds one particle to its nodes.
@@ -222,7 +227,9 @@ template <class Body> struct Scatter {
     using V = typename N::Values;
     constexpr bool slopes = !previous && !Form::uses_moment;
     auto const w_x = N::each(w.x.weight + i);
-    V column = w_x * (N::all(q.value) + N::numbered(i) * N::all(q.gradient[0]));
+    V column = N::all(q.value);
+    if (!N::all_zero(i)) column = column + N::numbered(i) * N::all(q.gradient[0]);
+    column = w_x * column;
     using Change = typename N::Changes;
     Change const along_y = w_x * N::all(q.gradient[1]);
     Change across_y, across_z;
@@ -245,19 +252,20 @@ template <class Body> struct Scatter {
 
   // Momentum and mass as an affine function of the offset; with the impulse of the forces (MLS) or without.
   template <bool forces, bool driven, class P, class T, class S>
-  MPMPBD_INLINE static detail::AffineMomentum<T> momentum(P const& p, Stencils<T, Shape> const& s,
+  MPMPBD_INLINE static detail::AffineMomentum<T> momentum(P const& p, Amount<T> const& amount,
+                                                          Stencils<T, Shape> const& s,
                                                           Lattice<S> const& lattice,
                                                           [[maybe_unused]] S dt) {
-    T const m = p[particle::Mass{}];
+    T const m = amount.inertia;
     Vec3<T> v = m * p[particle::Velocity{}];
     if constexpr (driven) v += (m * T(dt)) * p[particle::Acceleration{}];
     Mat3<T> A{};
     if constexpr (Transfer::carries_affine) A = (m * T(lattice.dx)) * p[particle::Affine{}];
     if constexpr (forces)
-      A -= (T(dt * S(Shape::inverse_inertia) * lattice.inverse_dx) * p[particle::Volume{}]) *
+      A -= (T(dt * S(Shape::inverse_inertia) * lattice.inverse_dx) * amount.volume) *
            p[particle::Stress{}];
     detail::AffineMomentum<T> q;
-    q.value = {{v[0], v[1], v[2], m}};
+    q.value = {{v[0], v[1], v[2], amount.mass}};
     for (int a = 0; a < 3; ++a) {
       q.gradient[a] = {{A(0, a), A(1, a), A(2, a), T(0)}};
       for (int i = 0; i < 3; ++i) q.value[i] = q.value[i] - s.f[a] * A(i, a);

@@ -70,14 +70,14 @@ template <class Body> inline constexpr double gradient_stiffness_of = gradient_s
 template <class T> struct StepBounds {
   T frequency2 = T(0);  // k / rho0 [m^2/s^2]; linear shape: times the stiffness of NodeShares
   T damping = T(0);     // largest eigenvalue of dtau/d(dF/dt) / rho0 [m^2/s]; the same
-  T speed = T(0);       // |v| [m/s]
-  T rate = T(0);        // |C| [1/s]
+  T speed2 = T(0);      // |v|^2 [m^2/s^2]
+  T rate2 = T(0);       // |C|^2 [1/s^2]
 
   MPMPBD_HD void include(StepBounds const& b) {
     frequency2 = max(frequency2, b.frequency2);
     damping = max(damping, b.damping);
-    speed = max(speed, b.speed);
-    rate = max(rate, b.rate);
+    speed2 = max(speed2, b.speed2);
+    rate2 = max(rate2, b.rate2);
   }
 };
 
@@ -87,9 +87,10 @@ MPMPBD_HD StepBounds<typename P::Scalar> step_bounds(P const& p, K const& materi
   using T = typename P::Scalar;
   auto const k = Body::Material::stiffness(p, material);
   StepBounds<T> b;
-  b.frequency2 = max(k.longitudinal, k.bulk3) * p[particle::Volume{}] / p[particle::Mass{}];
-  b.speed = norm(p[particle::Velocity{}]);
-  if constexpr (Body::Transfer::carries_affine) b.rate = norm(p[particle::Affine{}]);
+  b.frequency2 = max(k.longitudinal, k.bulk3) * (p[particle::Volume{}] / p[particle::Mass{}]);
+  b.speed2 = dot(p[particle::Velocity{}], p[particle::Velocity{}]);
+  if constexpr (Body::Transfer::carries_affine)
+    b.rate2 = dot(p[particle::Affine{}], p[particle::Affine{}]);
   return b;
 }
 
@@ -116,8 +117,8 @@ template <class T> struct StepLimit {
 template <class Body, class T> MPMPBD_HD StepLimit<T> step_limit(StepBounds<T> const& b, T dx) {
   StepLimit<T> limit{T(1e30), StepBound::none};
   limit.lower(elastic_limit<Body>(b, dx), StepBound::elastic);
-  if (b.speed > T(0)) limit.lower(T(0.5) * dx / b.speed, StepBound::speed);
-  if (b.rate > T(0)) limit.lower(T(0.5) / b.rate, StepBound::strain);
+  if (b.speed2 > T(0)) limit.lower(T(0.5) * dx / sqrt(b.speed2), StepBound::speed);
+  if (b.rate2 > T(0)) limit.lower(T(0.5) / sqrt(b.rate2), StepBound::strain);
   limit.dt *= T(time_step_safety);
   return limit;
 }

@@ -31,7 +31,7 @@ template <class Scene> struct ParticleBounds {
       T const stiffness = shares.stiffness(p);
       one.frequency2 *= stiffness, one.damping *= stiffness;
     }
-    T const sum = one.frequency2 + one.damping + one.speed + one.rate +
+    T const sum = one.frequency2 + one.damping + one.speed2 + one.rate2 +
                   dot(p[particle::Position{}], p[particle::Position{}]);
     if (!is_finite(sum)) return static_cast<std::uint32_t>(Fault::not_finite);
     all.include(one);
@@ -51,7 +51,7 @@ template <class Scene> struct ParticleBounds {
                                            [[maybe_unused]] Ctx const& context) {
     if constexpr (requires { E::damping(p, context.template of<parameter_owner_t<E>>()); })
       b.damping += E::damping(p, context.template of<parameter_owner_t<E>>()) *
-                   p[particle::Volume{}] / p[particle::Mass{}];
+                   (p[particle::Volume{}] / p[particle::Mass{}]);
   }
 
   // What effects with `faults(p, k)` see.

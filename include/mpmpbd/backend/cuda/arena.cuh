@@ -181,14 +181,6 @@ template <class T> struct SumsOfArena {
   FixedPoint<T> unit;
   T start;  // of running sums
   static constexpr T most_cells = FixedPoint<T>::most_cells;
-  // Momentum at a cell per substep counts as much as mass.
-  __device__ __forceinline__ Quad<T> in_counts(Quad<T> const& q) const {
-    return quad(q[0] * unit.momentum, q[1] * unit.momentum, q[2] * unit.momentum, q[3] * unit.mass);
-  }
-  template <class Change>
-  __device__ __forceinline__ Change in_counts(Change const& momentum) const {
-    return unit.momentum * momentum;
-  }
   __device__ __forceinline__ Shares<T> shares() const { return Shares<T>::from(start); }
   __device__ __forceinline__ auto window(int const (&at)[3]) const {
     auto* const first = arena.sums + static_cast<int>(lattice.index(at[0], at[1], at[2]));

@@ -63,8 +63,8 @@ template <class T> struct Findings {
   __device__ void include(Findings const& f) {
     detail::raise(bounds.frequency2, f.bounds.frequency2);
     detail::raise(bounds.damping, f.bounds.damping);
-    detail::raise(bounds.speed, f.bounds.speed);
-    detail::raise(bounds.rate, f.bounds.rate);
+    detail::raise(bounds.speed2, f.bounds.speed2);
+    detail::raise(bounds.rate2, f.bounds.rate2);
     detail::raise(heaviest, f.heaviest);
     detail::lower(lightest, f.lightest);
     if (f.held != 0) atomicOr(&held, f.held);
@@ -167,7 +167,8 @@ template <class Scene, class T> struct StepRecord {
   // The substeps of the step, from what was found.
   template <class Control>
   __device__ void choose(Control const& control, Launch<Scene, T> const& launch) {
-    found.bounds.speed = max(found.bounds.speed, needle_speed<Scene>(control.env, context));
+    found.bounds.speed2 =
+        max(found.bounds.speed2, square(needle_speed<Scene>(control.env, context)));
     control.meet(found.held);
     control.meet(found.faults);
     if (found.heaviest > FixedPoint<T>::greatest_contrast * found.lightest)

@@ -31,11 +31,11 @@ template <class T = double> Lame<T> lame(double young_modulus, double poisson_ra
 // sqrt(2/3) |dev b|. The same for R F, exact at rest and in uniaxial stretch, at most 4/3 too large.
 template <class T> MPMPBD_HD T largest_stretch_squared(Mat3<T> const& F) {
   T scale = T(0);  // entries of F/scale are at most 1, so nothing overflows before the result does
-  for (int i = 0; i < 9; ++i) scale = max(scale, abs(F.m[i]));
+  for (int i = 0; i < 9; ++i) scale += abs(F.m[i]);
   if (!(scale > T(0))) return scale;
   Mat3<T> const G = T(1) / scale * F;
   Mat3<T> const b = G * transpose(G);
-  return scale * scale * (trace(b) / 3 + T(0.81649658092772603) * norm(deviator(b)));
+  return scale * scale * (T(1) / 3 * trace(b) + T(0.81649658092772603) * norm(deviator(b)));
 }
 
 }  // namespace mpmpbd

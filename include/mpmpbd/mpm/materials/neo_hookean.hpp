@@ -26,10 +26,12 @@ struct NeoHookean {
     Mat3<T> const& F = p[particle::Deformation{}];
     T const J = determinant(F);
     auto const positive = J > T(0);
-    T const pressure = k.lambda * log(select(positive, J, T(1))) - k.mu;
-    Mat3<T> tau = k.mu * (F * transpose(F));
+    // Inverted: zero, or NaN where F is.
+    T const mu = select(positive, T(k.mu), T(0));
+    T const pressure = select(positive, k.lambda * log(select(positive, J, T(1))) - k.mu, T(0));
+    Mat3<T> tau = mu * (F * transpose(F));
     for (int i = 0; i < 3; ++i) tau(i, i) += pressure;
-    return select(positive, tau, T(0) * F);  // zero, or NaN where F is
+    return tau;
   }
 
   template <class P, class K> MPMPBD_HD static auto energy(P const& p, K const& k) {
