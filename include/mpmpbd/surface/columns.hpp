@@ -9,6 +9,7 @@
 
 #include <type_traits>
 
+#include <mpmpbd/core/pack.hpp>
 #include <mpmpbd/core/status.hpp>
 #include <mpmpbd/coupling/team.hpp>
 #include <mpmpbd/surface/sheet.hpp>
@@ -38,10 +39,9 @@ template <class T, class Firsts, class Items> struct Columns {
   std::int64_t capacity;  // of items
 
   MPMPBD_HD int column(int axis, T x) const {
-    T const c = (x - origin[axis]) * inverse_width;
     // What is outside (and NaN) belongs to the border columns.
-    if (!(c > T(0))) return 0;
-    return c < T(count[axis]) ? static_cast<int>(c) : count[axis] - 1;
+    T const c = (x - origin[axis]) * inverse_width;
+    return static_cast<int>(select(c > T(0), min(c, T(count[axis] - 1)), T(0)));
   }
   MPMPBD_HD std::int64_t index(int i, int j) const {
     return i + static_cast<std::int64_t>(count[0]) * j;
@@ -72,27 +72,32 @@ template <class T, class Firsts, class Items> struct Columns {
   }
   template <class Team_, class S>
   MPMPBD_HD std::uint32_t build(Team_ const& team, S const& sheet) const {
-    int const n = static_cast<int>(columns()), triangles = static_cast<int>(sheet.triangles);
-    team.each(n + 1, [&](int c) { first.set(c, 0); });
-    team.sync();
-    team.each(triangles, [&](int k) {
-      for_each_overlap(sheet, k, [&](std::int64_t c) { add(team, c + 1); });
-    });
-    team.sync();
-    team.groups(1, [&](auto const& group, int) { number_items(group); });
-    team.sync();
-    bool const fits = first(0) == 0;
-    team.sync();
-    if (!fits) {
+    int const n = static_cast<int>(columns());
+    auto const clear = [&] {
       team.each(n + 1, [&](int c) { first.set(c, 0); });
       team.sync();
+    };
+    clear();
+    // How many items a column has; and again, which, when the entry after a column's is its cursor, which ends where the next one's
+    // list begins.
+    bool fits = true;
+    MPMPBD_NO_UNROLL
+    for (int pass = 0; pass < 2 && fits; ++pass) {
+      for_each_overlap(team, sheet, [&](int k, std::int64_t c) {
+        std::int64_t const place = add(team, c + 1);
+        if (pass == 1) item.set(place, k);
+      });
+      team.sync();
+      if (pass == 1) break;
+      team.groups(1, [&](auto const& group, int) { number_items(group); });
+      team.sync();
+      fits = first(0) == 0;
+      team.sync();
+    }
+    if (!fits) {
+      clear();
       return static_cast<std::uint32_t>(Fault::overflow);
     }
-    // The entry after a column's is its cursor, which ends where the next one's list begins.
-    team.each(triangles, [&](int k) {
-      for_each_overlap(sheet, k, [&](std::int64_t c) { item.set(add(team, c + 1), k); });
-    });
-    team.sync();
     return 0u;
   }
 
@@ -132,16 +137,39 @@ template <class T, class Firsts, class Items> struct Columns {
     }
     if (!fits) group.one([&] { first.set(0, 1); });
   }
-  template <class S, class F>
-  MPMPBD_HD void for_each_overlap(S const& sheet, std::int64_t k, F&& f) const {
+  struct Range {
+    int low[2], high[2];
+  };
+  template <class S> MPMPBD_HD Range columns_over(S const& sheet, std::int64_t k) const {
     auto const t = sheet.triangle(k);
-    int range[2][2];
+    Range r;
     for (int a = 0; a < 2; ++a) {
-      range[a][0] = column(a, min(t.a[a], min(t.b[a], t.c[a])) - margin);
-      range[a][1] = column(a, max(t.a[a], max(t.b[a], t.c[a])) + margin);
+      r.low[a] = column(a, min(t.a[a], min(t.b[a], t.c[a])) - margin);
+      r.high[a] = column(a, max(t.a[a], max(t.b[a], t.c[a])) + margin);
     }
-    for (int j = range[1][0]; j <= range[1][1]; ++j)
-      for (int i = range[0][0]; i <= range[0][1]; ++i) f(index(i, j));
+    return r;
+  }
+  // Calls f(triangle, column) for every triangle and every column that it lies over. A lane looks at four before it calls for
+  // one: their corners come from the memory of a device, and are on their way together.
+  template <class Team_, class S, class F>
+  MPMPBD_HD void for_each_overlap(Team_ const& team, S const& sheet, F const& f) const {
+    constexpr int at_once = 4;
+    int const triangles = static_cast<int>(sheet.triangles);
+    int const quarter = (triangles + at_once - 1) / at_once;
+    team.each(quarter, [&](int first_of_four) {
+      Range over[at_once];
+      for (int n = 0; n < at_once; ++n)
+        over[n] = columns_over(sheet, min(first_of_four + n * quarter, triangles - 1));
+      for (int n = 0; n < at_once; ++n) {
+        int const k = first_of_four + n * quarter;
+        if (k >= triangles) break;
+        MPMPBD_NO_UNROLL
+        for (int j = over[n].low[1]; j <= over[n].high[1]; ++j) {
+          MPMPBD_NO_UNROLL
+          for (int i = over[n].low[0]; i <= over[n].high[0]; ++i) f(k, index(i, j));
+        }
+      }
+    });
   }
 };
 
