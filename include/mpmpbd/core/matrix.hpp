@@ -82,8 +82,8 @@ template <class T, int R, int C> MPMPBD_HD constexpr Mat<T, C, R> transpose(Mat<
   return r;
 }
 template <class T, int N> MPMPBD_HD constexpr T trace(Mat<T, N, N> const& a) {
-  T r = a(0, 0);
-  for (int i = 1; i < N; ++i) r += a(i, i);
+  T r{};
+  for (int i = 0; i < N; ++i) r += a(i, i);
   return r;
 }
 // Sum of products of all entries: the dot product of vectors, A : B of matrices.
@@ -163,9 +163,9 @@ template <class T> MPMPBD_HD constexpr Mat3<T> inverse(Mat3<T> const& f) {
   T const d = f(0, 0) * c(0, 0) + f(0, 1) * c(0, 1) + f(0, 2) * c(0, 2);
   return T(1) / d * transpose(c);
 }
-template <class T> MPMPBD_HD constexpr Mat3<T> deviator(Mat3<T> a) {
-  T const third = T(1) / 3 * trace(a);
-  for (int i = 0; i < 3; ++i) a(i, i) -= third;
+template <class T> MPMPBD_HD Mat3<T> deviator(Mat3<T> a) {
+  T const sum = trace(a);
+  for (int i = 0; i < 3; ++i) a(i, i) = multiply_add(T(-1) / 3, sum, a(i, i));
   return a;
 }
 

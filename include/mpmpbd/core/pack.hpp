@@ -101,6 +101,10 @@ MPMPBD_WIDE Pack<float> select(Pack<float>::Condition const& c, Pack<float> cons
   using Mask = Pack<float>::Mask;
   return Pack<float>::Lanes((c.m & Mask(a.v)) | (~c.m & Mask(b.v)));
 }
+MPMPBD_WIDE Pack<float> multiply_add(Pack<float> const& a, Pack<float> const& b,
+                                     Pack<float> const& c) {
+  return a * b + c;
+}
 MPMPBD_WIDE Pack<float>::Condition both_hold(Pack<float>::Condition const& a,
                                              Pack<float>::Condition const& b) {
   return a && b;

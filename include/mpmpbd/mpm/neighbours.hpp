@@ -1,7 +1,7 @@
 // Neighbouring nodes along x that are computed at once: one, or two where vectors hold eight floats.
 //
 // Scatter and gather take the columns of a stencil (all its nodes with the same x) one after the other,
-// or as many at once as the grid says. Every sum has the same order either way, so the bits are equal.
+// or as many at once as the grid says. Every sum has the same order either way, so the bits of finite numbers are equal.
 #pragma once
 
 #include <mpmpbd/core/quad.hpp>

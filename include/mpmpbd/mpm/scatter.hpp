@@ -187,7 +187,7 @@ template <class Body> struct Scatter {
       S const greatest = abs(q.value[i] + half * sum(q.gradient)) + reach;
       return Form::uses_moment ? greatest : greatest + size(q.impulse);
     };
-    return max(max(of(0), of(1)), of(2));
+    return max(max(max(S(0), of(0)), of(1)), of(2));
   }
 
   // Adds one particle to its nodes.

@@ -50,8 +50,8 @@ template <class Scene> struct ParticleBounds {
                                            [[maybe_unused]] P const& p,
                                            [[maybe_unused]] Ctx const& context) {
     if constexpr (requires { E::damping(p, context.template of<parameter_owner_t<E>>()); })
-      b.damping += E::damping(p, context.template of<parameter_owner_t<E>>()) *
-                   (p[particle::Volume{}] / p[particle::Mass{}]);
+      b.damping = multiply_add(E::damping(p, context.template of<parameter_owner_t<E>>()),
+                               p[particle::Volume{}] / p[particle::Mass{}], b.damping);
   }
 
   // What effects with `faults(p, k)` see.

@@ -35,7 +35,8 @@ template <class T> MPMPBD_HD T largest_stretch_squared(Mat3<T> const& F) {
   if (!(scale > T(0))) return scale;
   Mat3<T> const G = T(1) / scale * F;
   Mat3<T> const b = G * transpose(G);
-  return scale * scale * (T(1) / 3 * trace(b) + T(0.81649658092772603) * norm(deviator(b)));
+  T const size = multiply_add(T(0.81649658092772603), norm(deviator(b)), T(1) / 3 * trace(b));
+  return scale * (scale * size);
 }
 
 }  // namespace mpmpbd

@@ -26,7 +26,7 @@ struct NeoHookean {
     Mat3<T> const& F = p[particle::Deformation{}];
     T const J = determinant(F);
     auto const positive = J > T(0);
-    // Inverted: zero, or NaN where F is.
+    // Inverted: zero, and NaN stays NaN.
     T const mu = select(positive, T(k.mu), T(0));
     T const pressure = select(positive, k.lambda * log(select(positive, J, T(1))) - k.mu, T(0));
     Mat3<T> tau = mu * (F * transpose(F));
