@@ -320,11 +320,3 @@ TEST_CASE("the form of execution follows from the device, unless it is asked for
   emulated::free_bytes = std::size_t{1} << 34;
   CHECK(emulated::allocations == allocations);
 }
-
-TEST_CASE("a device refuses more items of a domain than it can number", "[cuda][memory]") {
-  CHECK_NOTHROW(cuda::require_items("particles", 214'748, 20'000));
-  CHECK_NOTHROW(cuda::require_items("beads", 1'000'000, 0));
-  CHECK_THROWS_WITH(cuda::require_items("particles", 214'749, 20'000),
-                    Catch::Contains("214749 environments of 20000 items of domain 'particles'") &&
-                        Catch::Contains("at most 4294967295"));
-}

@@ -16,24 +16,6 @@ namespace detail {
 template <class T, class F> struct Plane { element_t<F, T>* data = nullptr; };
 }  // namespace detail
 
-// Component c of an item, whose first is here. A device takes the stride for a number of 32 bits (cuda::require_items): one
-// instruction multiplies it and adds 64 bits, where left to choose, nvcc takes a row of sums that wait for one another.
-template <class Element>
-MPMPBD_HD Element* component_of(Element* item, [[maybe_unused]] int c,
-                                [[maybe_unused]] std::int64_t stride) {
-#if defined(__CUDA_ARCH__)
-  if (c == 0) return item;
-  std::size_t there;
-  asm("mad.wide.u32 %0, %1, %2, %3;"
-      : "=l"(there)
-      : "r"(static_cast<unsigned>(stride)), "r"(c * static_cast<int>(sizeof(Element))),
-        "l"(__cvta_generic_to_global(item)));
-  return static_cast<Element*>(__cvta_global_to_generic(there));
-#else
-  return item + c * stride;
-#endif
-}
-
 // Where the numbers are: a pointer per field, cheap to copy, passed to kernels by value.
 template <class T, class List> struct View;
 template <class T, class... Fs> struct View<T, Fields<Fs...>> : detail::Plane<T, Fs>... {
@@ -57,7 +39,7 @@ template <class T, class... Fs> struct View<T, Fields<Fs...>> : detail::Plane<T,
       return *from;
     } else {
       value_t<F, T> v;
-      for (int c = 0; c < F::components; ++c) v[c] = *component_of(from, c, stride);
+      for (int c = 0; c < F::components; ++c) v[c] = from[c * stride];
       return v;
     }
   }
@@ -66,7 +48,7 @@ template <class T, class... Fs> struct View<T, Fields<Fs...>> : detail::Plane<T,
     if constexpr (F::components == 1) {
       *to = v;
     } else {
-      for (int c = 0; c < F::components; ++c) *component_of(to, c, stride) = v[c];
+      for (int c = 0; c < F::components; ++c) to[c * stride] = v[c];
     }
   }
 };

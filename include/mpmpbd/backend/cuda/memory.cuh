@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -44,18 +43,6 @@ inline void require_free(std::size_t bytes) {
     throw std::runtime_error("mpmpbd Cuda: " + std::to_string(bytes >> 20) + " MiB needed, " +
                              std::to_string(free >> 20) +
                              " MiB of the device are free; use fewer environments");
-}
-
-// Refuses more items of a domain than a kernel finds by 32 bits (component_of).
-inline void require_items(std::string_view domain, std::int64_t environments,
-                          std::int64_t capacity) {
-  constexpr std::int64_t most = 0xffffffff;
-  if (capacity > 0 && environments > most / capacity)
-    throw std::invalid_argument("mpmpbd Cuda: " + std::to_string(environments) +
-                                " environments of " + std::to_string(capacity) +
-                                " items of domain '" + std::string(domain) +
-                                "' each; a device has at most " + std::to_string(most) +
-                                " in one simulation. Use fewer environments");
 }
 
 // Copies bytes in the order of a stream.

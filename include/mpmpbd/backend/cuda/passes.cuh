@@ -43,8 +43,7 @@ __device__ __forceinline__ void announce(View_ const& view, std::int64_t index, 
 #if defined(__CUDA_ARCH__)
       asm volatile("prefetch.global.L2 [%0+%1];"
                    :
-                   : "l"(component_of(item, c, view.stride)),
-                     "n"(ahead * static_cast<int>(sizeof(*item))));
+                   : "l"(item + c * view.stride), "n"(ahead * static_cast<int>(sizeof(*item))));
 #endif
     }
   };

@@ -72,10 +72,6 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   }
   void take_memory(Base const& run) {
     auto const state = Layout::bytes(run.state()) + cuda::announced_bytes;
-    for_each_type(typename Store::Domains{}, [&]<class D>(std::type_identity<D>) {
-      cuda::require_items(D::name.view(), run.environments(),
-                          run.state().template table<D>().capacity());
-    });
     auto const masks = static_cast<std::size_t>(run.environments());
     auto const all = cuda::planes_of_environment(run.state());
     cuda::require_free(2 * state + masks + all.size() * sizeof(cuda::Plane) + execution.bytes());
