@@ -30,7 +30,8 @@ struct Viscosity {
   MPMPBD_HD static void apply(Item& p, K const& k, Tick<T> const&) {
     auto const& C = p[particle::Affine{}];
     auto const rate = deviator(C + transpose(C));
-    p[particle::Stress{}] += (k.eta * determinant(p[particle::Deformation{}])) * rate;
+    p[particle::Stress{}] =
+        add_scaled(p[particle::Stress{}], k.eta * determinant(p[particle::Deformation{}]), rate);
   }
 
   // Largest eigenvalue of dtau/dL [Pa s]: what a time step limit needs.

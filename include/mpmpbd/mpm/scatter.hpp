@@ -262,13 +262,13 @@ template <class Body> struct Scatter {
     Mat3<T> A{};
     if constexpr (Transfer::carries_affine) A = (m * T(lattice.dx)) * p[particle::Affine{}];
     if constexpr (forces)
-      A -= (T(dt * S(Shape::inverse_inertia) * lattice.inverse_dx) * amount.volume) *
-           p[particle::Stress{}];
+      A = add_scaled(A, T(-dt * S(Shape::inverse_inertia) * lattice.inverse_dx) * amount.volume,
+                     p[particle::Stress{}]);
     detail::AffineMomentum<T> q;
     q.value = {{v[0], v[1], v[2], amount.mass}};
     for (int a = 0; a < 3; ++a) {
       q.gradient[a] = {{A(0, a), A(1, a), A(2, a), T(0)}};
-      for (int i = 0; i < 3; ++i) q.value[i] = q.value[i] - s.f[a] * A(i, a);
+      for (int i = 0; i < 3; ++i) q.value[i] = multiply_add(-s.f[a], A(i, a), q.value[i]);
     }
     return q;
   }
