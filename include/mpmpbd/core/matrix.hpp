@@ -157,12 +157,12 @@ template <class T> MPMPBD_HD constexpr T determinant(Mat3<T> const& f) {
          f(0, 1) * (f(1, 2) * f(2, 0) - f(1, 0) * f(2, 2)) +
          f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
 }
-// a + s b, as multiply_add does it: products of one stage that meet sums of another are joined in every kernel alike.
+// sum + s a, as multiply_add does it.
 template <class T, int R, int C>
-MPMPBD_HD Mat<T, R, C> add_scaled(Mat<T, R, C> a, detail::identity_t<T> const& s,
-                                  Mat<T, R, C> const& b) {
-  for (int i = 0; i < R * C; ++i) a.m[i] = multiply_add(s, b.m[i], a.m[i]);
-  return a;
+MPMPBD_HD Mat<T, R, C> add_product(Mat<T, R, C> sum, detail::identity_t<T> const& s,
+                                   Mat<T, R, C> const& a) {
+  for (int i = 0; i < R * C; ++i) sum.m[i] = multiply_add(s, a.m[i], sum.m[i]);
+  return sum;
 }
 // Inverse by cofactors; the caller knows that the determinant is not zero.
 template <class T> MPMPBD_HD constexpr Mat3<T> inverse(Mat3<T> const& f) {

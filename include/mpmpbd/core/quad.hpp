@@ -55,7 +55,7 @@ MPMPBD_INLINE Massless<T> operator*(detail::identity_t<T> s, Massless<T> const& 
 }
 #endif
 
-// sum + s a, as multiply_add does it.
+// The same of quads.
 template <class V, class S, class Change>
 MPMPBD_INLINE V add_product(V const& sum, S s, Change const& a) {
 #if defined(__CUDA_ARCH__)

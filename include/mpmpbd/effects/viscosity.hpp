@@ -31,7 +31,7 @@ struct Viscosity {
     auto const& C = p[particle::Affine{}];
     auto const rate = deviator(C + transpose(C));
     p[particle::Stress{}] =
-        add_scaled(p[particle::Stress{}], k.eta * determinant(p[particle::Deformation{}]), rate);
+        add_product(p[particle::Stress{}], k.eta * determinant(p[particle::Deformation{}]), rate);
   }
 
   // Largest eigenvalue of dtau/dL [Pa s]: what a time step limit needs.

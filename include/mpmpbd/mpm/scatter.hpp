@@ -128,7 +128,8 @@ template <class Body> struct Scatter {
   template <class T> using Weights = StencilWeights<T, Shape, !Form::uses_moment>;
   template <class Grid> static constexpr bool counts = requires(Grid const& g) { g.unit; };
 
-  // Mass and volume of a particle, in units of the sums of momentum; and its mass in that of the sums of mass.
+  // Mass and volume of a particle, in units of the sums of momentum, and its mass in that of the sums of mass: [kg], [m^3], [kg],
+  // or counts where the grid has them.
   template <class T> struct Amount { T inertia, volume, mass; };
   template <class T, class Grid, class P>
   MPMPBD_INLINE static Amount<T> amount_in(Grid const& grid, P const& p) {
@@ -262,8 +263,8 @@ template <class Body> struct Scatter {
     Mat3<T> A{};
     if constexpr (Transfer::carries_affine) A = (m * T(lattice.dx)) * p[particle::Affine{}];
     if constexpr (forces)
-      A = add_scaled(A, T(-dt * S(Shape::inverse_inertia) * lattice.inverse_dx) * amount.volume,
-                     p[particle::Stress{}]);
+      A = add_product(A, T(-dt * S(Shape::inverse_inertia) * lattice.inverse_dx) * amount.volume,
+                      p[particle::Stress{}]);
     detail::AffineMomentum<T> q;
     q.value = {{v[0], v[1], v[2], amount.mass}};
     for (int a = 0; a < 3; ++a) {

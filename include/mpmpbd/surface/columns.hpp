@@ -78,27 +78,25 @@ template <class T, class Firsts, class Items> struct Columns {
       team.sync();
     };
     clear();
-    // How many items a column has; and again, which, when the entry after a column's is its cursor, which ends where the next one's
-    // list begins.
-    bool fits = true;
+    // Twice the same text, for a device waits for its code: first the items of a column are counted, in the entry after its own; then
+    // they are listed, and that entry is the place of the next one, until it is where the next column's list begins.
     MPMPBD_NO_UNROLL
-    for (int pass = 0; pass < 2 && fits; ++pass) {
+    for (bool listing = false;; listing = true) {
       for_each_overlap(team, sheet, [&](int k, std::int64_t c) {
         std::int64_t const place = add(team, c + 1);
-        if (pass == 1) item.set(place, k);
+        if (listing) item.set(place, k);
       });
       team.sync();
-      if (pass == 1) break;
+      if (listing) return 0u;
       team.groups(1, [&](auto const& group, int) { number_items(group); });
       team.sync();
-      fits = first(0) == 0;
+      bool const fits = first(0) == 0;
       team.sync();
+      if (!fits) {
+        clear();
+        return static_cast<std::uint32_t>(Fault::overflow);
+      }
     }
-    if (!fits) {
-      clear();
-      return static_cast<std::uint32_t>(Fault::overflow);
-    }
-    return 0u;
   }
 
  private:
@@ -137,6 +135,8 @@ template <class T, class Firsts, class Items> struct Columns {
     }
     if (!fits) group.one([&] { first.set(0, 1); });
   }
+
+  // The columns that a triangle lies over: from low to high, along x and y.
   struct Range {
     int low[2], high[2];
   };

@@ -29,10 +29,9 @@ struct NeoHookean {
     // Inverted: zero, and NaN stays NaN.
     T const mu = select(positive, T(k.mu), T(0));
     T const pressure = select(positive, k.lambda * log(select(positive, J, T(1))) - k.mu, T(0));
-    Mat3<T> const b = F * transpose(F);
-    Mat3<T> tau = mu * b;
-    for (int i = 0; i < 3; ++i) tau(i, i) = multiply_add(mu, b(i, i), pressure);
-    return tau;
+    Mat3<T> tau{};
+    for (int i = 0; i < 3; ++i) tau(i, i) = pressure;
+    return add_product(tau, mu, F * transpose(F));
   }
 
   template <class P, class K> MPMPBD_HD static auto energy(P const& p, K const& k) {

@@ -29,10 +29,9 @@ struct StableNeoHookean {
     T const I = dot(F, F), J = determinant(F);
     T const shear = T(4) / 3 * k.mu * (I / (I + T(1)));
     T const volume = J * (volumetric<T>(k) * (J - T(1)) - k.mu);
-    Mat3<T> const b = F * transpose(F);
-    Mat3<T> tau = shear * b;
-    for (int i = 0; i < 3; ++i) tau(i, i) = multiply_add(shear, b(i, i), volume);
-    return tau;
+    Mat3<T> tau{};
+    for (int i = 0; i < 3; ++i) tau(i, i) = volume;
+    return add_product(tau, shear, F * transpose(F));
   }
 
   // The constant of the original is dropped: zero at rest.
