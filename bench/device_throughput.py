@@ -205,7 +205,7 @@ def write(rows, out):
     one = rows.rows[0]
     parts = (
         "# Throughput on a CUDA device\n",
-        f"{one['gpu']}, driver {one['driver']}, `-arch=sm_90 -O3`, float with 32-bit fixed-point sums, commit {commits(rows)}. "
+        f"{one['gpu']}, driver {one['driver']}, `-arch=sm_90 -O3 -fmad=false`, float with 32-bit fixed-point sums, commit {commits(rows)}. "
         "The suturing scene: 20,000 particles\non 26 x 16 x 16 nodes, arc needle, thread of 20 beads, surface, after 400 steps of the "
         "scripted stitch (the needle is in tissue). A step is 0.004 s.\nWall time from the host; mean and deviation of five blocks of 4 to "
         "20 steps. What moves: `tissue` alone; `apart`, needle and thread as well, which do\nnot meet it; `contact`, all of it.\n",

@@ -107,7 +107,7 @@ def source_of(declarations, parts, headers):
 def compile_scene(options, source, text, *how):
     source.write_text(text, encoding="utf-8")
     subprocess.run(
-        [options.nvcc, "-std=c++20", "-O3", f"-arch=sm_{options.arch}", f"-I{ROOT / 'include'}", f"-I{ROOT / 'bench'}"]
+        [options.nvcc, "-std=c++20", "-O3", "-fmad=false", f"-arch=sm_{options.arch}", f"-I{ROOT / 'include'}", f"-I{ROOT / 'bench'}"]
         + [f"-I{folder}" for folder in options.include]
         + [*how, str(source)],
         check=True,

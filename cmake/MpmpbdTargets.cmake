@@ -37,8 +37,7 @@ target_compile_features(mpmpbd_core INTERFACE cxx_std_20)
 # Without this, g++ fuses a * b + c into one rounding wherever the target has FMA: the same source
 # would give other bits with -march=native, and the vector kernels chosen at run time other bits than
 # the scalar ones. It is a usage requirement, not only a flag of our builds, because the loops are
-# templates: users compile them. Device code keeps its FMA (nvcc's -fmad); only the host half of a
-# .cu is treated alike, in mpmpbd::cuda.
+# templates: users compile them. A .cu is treated alike, both halves of it, in mpmpbd::cuda.
 target_compile_options(mpmpbd_core INTERFACE
   "$<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang,AppleClang>:-ffp-contract=off>")
 
@@ -76,8 +75,9 @@ target_link_libraries(mpmpbd_cuda INTERFACE mpmpbd_core
 target_compile_options(mpmpbd_cuda INTERFACE
   # By hand: CMake 3.25 drops CUDA_STANDARD 20 silently, and a cuda_std_20 feature is an error there.
   "$<$<COMPILE_LANGUAGE:CUDA>:-std=c++20>"
-  # A host function of a .cu gives the bits of the same function in a .cpp.
-  "$<$<COMPILE_LANG_AND_ID:CUDA,NVIDIA>:-Xcompiler=-ffp-contract=off>")
+  # A host function of a .cu gives the bits of the same function in a .cpp, and a device function the
+  # same bits in every kernel: products are joined with sums by multiply_add, never by nvcc (decision 32).
+  "$<$<COMPILE_LANG_AND_ID:CUDA,NVIDIA>:-Xcompiler=-ffp-contract=off;-fmad=false>")
 if(MPMPBD_HAS_CUDA)
   add_library(mpmpbd::cuda ALIAS mpmpbd_cuda)
 endif()

@@ -30,10 +30,10 @@ template <class Form> void all_at_once(Rig<double, Form>& r) {
   }
   std::vector<Vec3<double>> J;
   for (int q = 0; q < count; ++q) {
-    double const yields =
-        1 / r.needle.mass + mpmpbd::sum_over_nodes<double>(c, q, [](double w, auto const& n) {
-          return w * w * n.free_inverse_mass;
-        });
+    double const of_tissue = mpmpbd::sum_over_nodes<double>(
+        c, q,
+        [](double sum, double w, auto const& n) { return sum + w * w * n.free_inverse_mass; });
+    double const yields = 1 / r.needle.mass + of_tissue;
     J.push_back(1 / yields * (r.needle.velocity - mpmpbd::grid_velocity(c, q)));
   }
   for (int i = 0; i < c.count(); ++i)

@@ -147,8 +147,8 @@ TEST_CASE("what a particle brings is rounded to the nearest count", "[cuda][tile
   using Numbers = mpmpbd::cuda::NumbersOf<float>;
   for (float const a :
        {0.0f, 0.49f, 0.5f, 0.51f, 1.5f, 2.5f, 1234.5f, 99999.75f, 4194303.5f, Numbers::scale}) {
-    CHECK(Numbers::nearest(a) == std::lrint(a));
-    CHECK(Numbers::nearest(-a) == std::lrint(-a));
+    CHECK(Numbers::nearest(a, 1.0f) == std::lrint(a));
+    CHECK(Numbers::nearest(0.5f, -2 * a) == std::lrint(-a));
   }
 }
 

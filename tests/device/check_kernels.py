@@ -7,6 +7,8 @@ LIBRARY: an object or archive that holds PTX; NODES: those of a stencil, 27 for 
   - a kernel is empty, or it or a function it calls traps: nvcc has made both of code it did not like, with exit status 0
   - a kernel is no more than a call, or a tiled environment's that couples has no more than 128 registers: it then spills
   - anything adds floating-point numbers atomically: its order would show in the bits
+  - a sum or a product of floating-point numbers may be joined with another (it does not say how it rounds): a compiler
+    without -fmad=false does that by what is around, in every kernel otherwise
   - in the kernel of a form of execution, the fused pass and the last gather do not load a node's velocity and mass at
     once, or the passes that scatter do not add four integers per node: then grid or loop has lost its place in shared
     memory (resident), in the memory of the device (tiled, whose sums go there by way of shared memory or straight), or in
@@ -17,6 +19,7 @@ import subprocess
 import sys
 
 FLOAT_ATOMIC = re.compile(r"^\s*(?:@!?%p\d+\s+)?((?:atom|red)\.\S*\.(?:f16|f32|f64|bf16)\S*)", re.M)
+JOINABLE = re.compile(r"^\s*(?:@!?%p\d+\s+)?((?:add|sub|mul|mad)(?:\.ftz)?(?:\.sat)?\.(?:f32|f64))\b", re.M)
 # Kernels that move particles: where the grid lies, and where its sums are added up.
 FORMS = {"step": ("shared", ["shared"]), "tiled_particles": ("global", ["shared", "global"])}
 ADD = r"\b(?:atom|red)\.{}\.add\.(?:u32|s32)"
@@ -57,6 +60,9 @@ def complaints(text, nodes):
             yield f"{name} traps"
     for atomic in FLOAT_ATOMIC.findall(text):
         yield f"an atomic floating-point operation: {atomic}"
+    joinable = JOINABLE.findall(text)
+    if joinable:
+        yield f"{len(joinable)} operations that may be joined with others, {joinable[0]} for one"
     passes = 2
     for kernel, (grid, sums) in FORMS.items():
         bodies = [body for name, body, _ in kernels if f"{len(kernel)}{kernel}I" in name]

@@ -99,14 +99,13 @@ template <Real T> MPMPBD_HD T reciprocal(T a) {
 #endif
   return T(1) / a;
 }
-// a b + c. A device always rounds it once: left to choose, its compiler decides by what is around, and one text gets other
-// bits in another kernel.
-template <Real T> MPMPBD_HD T multiply_add(T a, T b, T c) {
+// a b + c. A device rounds it once, and nothing else: its compiler, left to join products with sums as it likes, decides by
+// what is around, and one text gets other bits in another kernel (decision 32).
+template <Real T> MPMPBD_HD constexpr T multiply_add(T a, T b, T c) {
 #if defined(__CUDA_ARCH__)
-  return ::fma(a, b, c);
-#else
-  return a * b + c;
+  if (!__builtin_is_constant_evaluated()) return ::fma(a, b, c);
 #endif
+  return a * b + c;
 }
 template <Real T> MPMPBD_HD bool is_finite(T a) { return a - a == T(0); }
 

@@ -71,8 +71,15 @@ MPMPBD_HD constexpr Mat<T, R, C> operator*(Mat<T, R, K> const& a, Mat<T, K, C> c
   Mat<T, R, C> r{};
   for (int j = 0; j < C; ++j)
     for (int k = 0; k < K; ++k)
-      for (int i = 0; i < R; ++i) r(i, j) += a(i, k) * b(k, j);
+      for (int i = 0; i < R; ++i) r(i, j) = multiply_add(a(i, k), b(k, j), r(i, j));
   return r;
+}
+// sum + s a, as multiply_add does it.
+template <class T, int R, int C>
+MPMPBD_HD constexpr Mat<T, R, C> add_product(Mat<T, R, C> sum, detail::identity_t<T> const& s,
+                                             Mat<T, R, C> const& a) {
+  for (int i = 0; i < R * C; ++i) sum.m[i] = multiply_add(s, a.m[i], sum.m[i]);
+  return sum;
 }
 
 template <class T, int R, int C> MPMPBD_HD constexpr Mat<T, C, R> transpose(Mat<T, R, C> const& a) {
@@ -90,7 +97,7 @@ template <class T, int N> MPMPBD_HD constexpr T trace(Mat<T, N, N> const& a) {
 template <class T, int R, int C>
 MPMPBD_HD constexpr T dot(Mat<T, R, C> const& a, Mat<T, R, C> const& b) {
   T r{};
-  for (int i = 0; i < R * C; ++i) r += a.m[i] * b.m[i];
+  for (int i = 0; i < R * C; ++i) r = multiply_add(a.m[i], b.m[i], r);
   return r;
 }
 template <class T, int R, int C> MPMPBD_HD T norm(Mat<T, R, C> const& a) { return sqrt(dot(a, a)); }
@@ -153,22 +160,15 @@ template <class T> MPMPBD_HD constexpr Mat3<T> cofactor(Mat3<T> const& f) {
   return c;
 }
 template <class T> MPMPBD_HD constexpr T determinant(Mat3<T> const& f) {
-  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) +
-         f(0, 1) * (f(1, 2) * f(2, 0) - f(1, 0) * f(2, 2)) +
-         f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
-}
-// sum + s a, as multiply_add does it.
-template <class T, int R, int C>
-MPMPBD_HD Mat<T, R, C> add_product(Mat<T, R, C> sum, detail::identity_t<T> const& s,
-                                   Mat<T, R, C> const& a) {
-  for (int i = 0; i < R * C; ++i) sum.m[i] = multiply_add(s, a.m[i], sum.m[i]);
-  return sum;
+  T const first = f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1));
+  T const two = multiply_add(f(0, 1), f(1, 2) * f(2, 0) - f(1, 0) * f(2, 2), first);
+  return multiply_add(f(0, 2), f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0), two);
 }
 // Inverse by cofactors; the caller knows that the determinant is not zero.
 template <class T> MPMPBD_HD constexpr Mat3<T> inverse(Mat3<T> const& f) {
   Mat3<T> const c = cofactor(f);
-  T const d = f(0, 0) * c(0, 0) + f(0, 1) * c(0, 1) + f(0, 2) * c(0, 2);
-  return T(1) / d * transpose(c);
+  T const two = multiply_add(f(0, 1), c(0, 1), f(0, 0) * c(0, 0));
+  return T(1) / multiply_add(f(0, 2), c(0, 2), two) * transpose(c);
 }
 template <class T> MPMPBD_HD Mat3<T> deviator(Mat3<T> a) {
   T const sum = trace(a);

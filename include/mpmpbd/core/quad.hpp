@@ -55,12 +55,15 @@ MPMPBD_INLINE Massless<T> operator*(detail::identity_t<T> s, Massless<T> const& 
 }
 #endif
 
-// The same of quads.
+// sum + s a, as multiply_add does it; V is a quad or a pack of some.
 template <class V, class S, class Change>
+  requires requires(V const& q) { q.v; }
 MPMPBD_INLINE V add_product(V const& sum, S s, Change const& a) {
 #if defined(__CUDA_ARCH__)
-  return quad(multiply_add(s, a[0], sum[0]), multiply_add(s, a[1], sum[1]),
-              multiply_add(s, a[2], sum[2]), sum[3]);
+  V r = sum;
+  for (int i = 0; i < int(sizeof(a.v) / sizeof(a.v[0])); ++i)
+    r.v[i] = multiply_add(s, a.v[i], sum.v[i]);
+  return r;
 #else
   return sum + s * a;
 #endif

@@ -198,12 +198,13 @@ template <class T> struct Pivot {
   // V and lambda.
   MPMPBD_HD Column<T> solve(Column<T> const& b) const {
     Vec3<T> const along = cross(p, A * cross(b.bead(), p));
-    return Column<T>::of(factor * (gamma * (C * b.bead()) + along) + b.link() * edge,
-                         dot(edge, b.bead()) - scale * b.link());
+    Vec3<T> const V = factor * add_product(along, gamma, C * b.bead());
+    return Column<T>::of(add_product(V, b.link(), edge),
+                         multiply_add(-scale, b.link(), dot(edge, b.bead())));
   }
   // Of a known bead: `V` is its velocity, or 0 in a column of the matrix.
   MPMPBD_HD Column<T> solve_known(Vec3<T> const& V, T link) const {
-    return Column<T>::of(V, dot(edge, V) - scale * link);
+    return Column<T>::of(V, multiply_add(-scale, link, dot(edge, V)));
   }
 };
 
@@ -385,7 +386,7 @@ MPMPBD_HD bool eliminate_rest(Group_ const& group, ChainSystem<T, bends> const& 
 namespace detail {
 // a - s b. By value, so that a device loads b at once.
 template <class T> MPMPBD_HD Column<T> minus_times(Column<T> const& a, T s, Column<T> const b) {
-  return {a - s * b};
+  return {add_product(a, -s, b)};
 }
 }  // namespace detail
 

@@ -79,7 +79,7 @@ template <class T, class FrictionLaw, class DragLaw> struct ContactLaw {
   static constexpr Hold first_hold = grips ? Hold::stick : Hold::slide;
 
   MPMPBD_HD static Vec3<T> sideways(ContactPoint<T> const& p, Vec3<T> const& a) {
-    return a - dot(p.axis, a) * p.axis;
+    return add_product(a, -dot(p.axis, a), p.axis);
   }
 
   // Whether the impulse is a given one, which is not what hinders the slip best.

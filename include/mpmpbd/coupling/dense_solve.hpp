@@ -11,10 +11,10 @@ namespace mpmpbd {
 template <class T, int N> MPMPBD_HD bool factor_ldlt(Mat<T, N, N>& a) {
   for (int j = 0; j < N; ++j) {
     T const original = abs(a(j, j));
-    for (int k = 0; k < j; ++k) a(j, j) -= a(j, k) * a(j, k) * a(k, k);
+    for (int k = 0; k < j; ++k) a(j, j) = multiply_add(-(a(j, k) * a(j, k)), a(k, k), a(j, j));
     if (!(abs(a(j, j)) > T(4) * epsilon<T> * original) || !is_finite(a(j, j))) return false;
     for (int i = j + 1; i < N; ++i) {
-      for (int k = 0; k < j; ++k) a(i, j) -= a(i, k) * a(j, k) * a(k, k);
+      for (int k = 0; k < j; ++k) a(i, j) = multiply_add(-(a(i, k) * a(j, k)), a(k, k), a(i, j));
       a(i, j) /= a(j, j);
     }
   }
@@ -24,10 +24,10 @@ template <class T, int N> MPMPBD_HD bool factor_ldlt(Mat<T, N, N>& a) {
 // x <- A^-1 x with the factors of factor_ldlt.
 template <class T, int N> MPMPBD_HD void solve_ldlt(Mat<T, N, N> const& a, Vec<T, N>& x) {
   for (int i = 0; i < N; ++i)
-    for (int k = 0; k < i; ++k) x[i] -= a(i, k) * x[k];
+    for (int k = 0; k < i; ++k) x[i] = multiply_add(-a(i, k), x[k], x[i]);
   for (int i = 0; i < N; ++i) x[i] /= a(i, i);
   for (int i = N - 1; i >= 0; --i)
-    for (int k = i + 1; k < N; ++k) x[i] -= a(k, i) * x[k];
+    for (int k = i + 1; k < N; ++k) x[i] = multiply_add(-a(k, i), x[k], x[i]);
 }
 
 }  // namespace mpmpbd

@@ -28,7 +28,7 @@ template <class Shape, class Grid, class T> struct TissueVelocity {
     if (!near.inside) return v;
     detail::for_each_node<Shape>(lattice, near, [&](int, int i, T w, Vec3<T> const&) {
       if (!(grid.mass(i) > T(0))) return;
-      v += w * grid.velocity(i);
+      v = add_product(v, w, grid.velocity(i));
       sum += w;
     });
     return sum > T(0) ? T(1) / sum * v : v;

@@ -43,7 +43,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
   MPMPBD_HD Vec3<T> body_velocity(int q, Column<T> const* beads, Vec<T, 6> const& needle) const {
     ContactPoint<T> const& p = x.points[q];
     if (p.segment < 0) return velocity_at(needle, p.position - x.needle->centre);
-    return (1 - p.along) * beads[p.segment].bead() + p.along * beads[p.segment + 1].bead();
+    return add_product((1 - p.along) * beads[p.segment].bead(), p.along,
+                       beads[p.segment + 1].bead());
   }
 
   // Calls f(q, share) for the points that act on bead k, in a fixed order.
@@ -61,7 +62,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 
   MPMPBD_HD Vec3<T> apply(Response<T> const& b, int q, Vec3<T> const& a) const {
     Vec3<T> const& d = x.points[q].axis;
-    return x.work[q].per_D * (b.isotropic * a + (b.axial * dot(d, a)) * d);
+    return x.work[q].per_D * add_product(b.isotropic * a, b.axial * dot(d, a), d);
   }
   // How every point answers with its present hold: B, and B u - J - offset.
   MPMPBD_HD void respond() const {
@@ -97,10 +98,10 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       PointWork<T> const& w = x.work[q];
       Vec3<T> const& d = x.points[q].axis;
       Vec3<T> B = (w.per_D * w.response.axial * d[c]) * d;
-      B[c] += w.per_D * w.response.isotropic;
-      A += square(share) * B;
-      if (x.points[q].segment == k) U += (share * (1 - share)) * B;
-      if (!x.thread.known[k]) r += share * w.load[c];
+      B[c] = multiply_add(w.per_D, w.response.isotropic, B[c]);
+      A = add_product(A, square(share), B);
+      if (x.points[q].segment == k) U = add_product(U, share * (1 - share), B);
+      if (!x.thread.known[k]) r = multiply_add(share, w.load[c], r);
     });
     t.rows[k].A(c) = {t.base[k].A(c) + Column<T>::of(A, T(0))};
     t.rows[k].U(c) = {t.base[k].U(c) + Column<T>::of(U, T(0))};
@@ -281,7 +282,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     team.each(x.thread.beads, [&](int k) {
       Vec3<T> r{};
       if (!x.thread.known[k])
-        for_each_point_of_bead(k, [&](int q, T share) { r -= share * x.work[q].J; });
+        for_each_point_of_bead(k, [&](int q, T share) { r = add_product(r, -share, x.work[q].J); });
       x.thread_work.trial[k] = Column<T>::of(r, T(0));
     });
     team.one([&] {
@@ -302,7 +303,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     T const share = x.scratch->share;
     team.each(x.incidence.count(), [&](int i) {
       TouchedNode<T>& n = x.incidence.nodes[i];
-      n.velocity += share * n.change;
+      n.velocity = add_product(n.velocity, share, n.change);
     });
     team.each(x.count(), [&](int q) { x.work[q].J *= share; });
     team.sync();
@@ -333,7 +334,9 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
         [&](int q) {
           Vec3<T> const& j = x.work[q].J;
           Vec3<T> const moved = sum_over_nodes<Vec3<T>>(
-              x.incidence, q, [](T w, TouchedNode<T> const& n) { return w * n.change; });
+              x.incidence, q, [](Vec3<T> const& sum, T w, TouchedNode<T> const& n) {
+                return add_product(sum, w, n.change);
+              });
           return Vec<T, 2>{{dot(j, x.work[q].slip),
                             dot(j, moved + x.work[q].compliance * j - body_velocity(q))}};
         },

@@ -162,15 +162,15 @@ MPMPBD_HD Vec3<T> sum_over_points(Incidence<T> const& c, int i, F const& f) {
 #endif
   for (int e = first; e < end; ++e) {
     int const p = c.pairs[e];
-    sum += c.weight[p] * f(p / c.per_point);
+    sum = add_product(sum, c.weight[p], f(p / c.per_point));
   }
   return sum;
 }
 
-// sum_i f(w_iq, node i) over the nodes of point q, which is on. A node is read before it is known whether it counts, so
-// that a device has several on their way.
-template <class Value, class T, class F>
-MPMPBD_HD Value sum_over_nodes(Incidence<T> const& c, int q, F const& f) {
+// A sum over the nodes of point q, which is on: add(sum, w_iq, node i) is the sum with one more. A node is read before it is
+// known whether it counts, so that a device has several on their way.
+template <class Value, class T, class Add>
+MPMPBD_HD Value sum_over_nodes(Incidence<T> const& c, int q, Add const& add) {
   Value sum{};
   int const first = q * c.per_point, end = first + c.per_point;
 #if defined(__CUDA_ARCH__)
@@ -178,14 +178,16 @@ MPMPBD_HD Value sum_over_nodes(Incidence<T> const& c, int q, F const& f) {
 #endif
   for (int p = first; p < end; ++p) {
     int const slot = c.slot[p];
-    Value const with = sum + f(c.weight[p], c.nodes[max(slot, 0)]);
+    Value const with = add(sum, c.weight[p], c.nodes[max(slot, 0)]);
     if (slot >= 0) sum = with;
   }
   return sum;
 }
 
 template <class T> MPMPBD_HD Vec3<T> grid_velocity(Incidence<T> const& c, int q) {
-  return sum_over_nodes<Vec3<T>>(c, q, [](T w, TouchedNode<T> const& n) { return w * n.velocity; });
+  return sum_over_nodes<Vec3<T>>(c, q, [](Vec3<T> const& sum, T w, TouchedNode<T> const& n) {
+    return add_product(sum, w, n.velocity);
+  });
 }
 
 // Row-sum splitting D_q = sum_i |w_iq| S_i / m_i, to be divided by the firmness of q: no set of points, acting at
@@ -193,11 +195,13 @@ template <class T> MPMPBD_HD Vec3<T> grid_velocity(Incidence<T> const& c, int q)
 // taken hold does not slow down the others. Walls only make it larger than needed. A point whose
 // nodes are all held keeps a small D, so that its impulse stays finite.
 template <class T> MPMPBD_HD T splitting(Incidence<T> const& c, int q) {
-  T const moving = sum_over_nodes<T>(c, q, [](T w, TouchedNode<T> const& n) {
-    return abs(w) * n.split * max(max(n.inverse_mass[0], n.inverse_mass[1]), n.inverse_mass[2]);
+  T const moving = sum_over_nodes<T>(c, q, [](T sum, T w, TouchedNode<T> const& n) {
+    T const largest = max(max(n.inverse_mass[0], n.inverse_mass[1]), n.inverse_mass[2]);
+    return multiply_add(abs(w) * n.split, largest, sum);
   });
-  T const unbound = sum_over_nodes<T>(
-      c, q, [](T w, TouchedNode<T> const& n) { return abs(w) * n.split * n.free_inverse_mass; });
+  T const unbound = sum_over_nodes<T>(c, q, [](T sum, T w, TouchedNode<T> const& n) {
+    return multiply_add(abs(w) * n.split, n.free_inverse_mass, sum);
+  });
   return max(moving, T(0.05) * unbound);
 }
 

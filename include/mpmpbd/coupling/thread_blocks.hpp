@@ -106,7 +106,8 @@ MPMPBD_HD Joint<T> bend_joint(ThreadState<T> const& s, Link<T> const* links, T c
 
 template <class T> MPMPBD_HD Mat3<T> joint_block(Joint<T> const& j, int a, int b, T dt) {
   return square(dt) * j.stiffness *
-         (outer(j.in_plane[a], j.in_plane[b]) + j.across_share * outer(j.across[a], j.across[b]));
+         add_product(outer(j.in_plane[a], j.in_plane[b]), j.across_share,
+                     outer(j.across[a], j.across[b]));
 }
 
 template <class T, bool bends>

@@ -21,9 +21,8 @@ template <class Shape, class T>
 MPMPBD_HD Neighbourhood<T> neighbourhood(Lattice<T> const& lattice, Vec3<T> const& x) {
   Neighbourhood<T> s{{}, {}, is_finite(x)};
   for (int a = 0; a < 3 && s.inside; ++a) {
-    T const cells = x[a] * lattice.inverse_dx;
-    T const first = floor(cells - T(Shape::offset));
-    s.f[a] = cells - first;
+    T const first = floor(multiply_add(x[a], lattice.inverse_dx, T(-Shape::offset)));
+    s.f[a] = multiply_add(x[a], lattice.inverse_dx, -first);
     s.inside = first >= T(0) && first <= T(lattice.nodes[a] - Shape::width);
     if (s.inside) s.base[a] = static_cast<int>(first);
   }
@@ -77,9 +76,10 @@ MPMPBD_INLINE Surroundings<T> surroundings(Lattice<T> const& lattice, Neighbourh
     T const wm = w * nodes.mass(i);
     total += wm;
     note(a, i, wm, d);
-    first += wm * d;
-    xx += wm * (d[0] * d[0]), xy += wm * (d[0] * d[1]), xz += wm * (d[0] * d[2]);
-    yy += wm * (d[1] * d[1]), yz += wm * (d[1] * d[2]), zz += wm * (d[2] * d[2]);
+    first = add_product(first, wm, d);
+    auto const with = [&](T sum, int p, int q) { return multiply_add(wm, d[p] * d[q], sum); };
+    xx = with(xx, 0, 0), xy = with(xy, 0, 1), xz = with(xz, 0, 2);
+    yy = with(yy, 1, 1), yz = with(yz, 1, 2), zz = with(zz, 2, 2);
   });
   if (!(total > T(0))) return none;
   first *= T(1) / total;
@@ -130,10 +130,10 @@ MPMPBD_HD EmbeddedMean<T> embedded_mean(Lattice<T> const& lattice, Vec3<T> const
       detail::surroundings<Shape>(lattice, near, nodes, [&](int, int i, T wm, Vec3<T> const& d) {
         Vec3<T> const value = f(i), part = wm != T(0) ? wm * value : Vec3<T>{};
         sum += part;
-        for (int c = 0; c < 3; ++c) moment[c] += d[c] * part;
+        for (int c = 0; c < 3; ++c) moment[c] = add_product(moment[c], d[c], part);
       });
   if (!(s.mass > T(0))) return {};
-  for (int c = 0; c < 3; ++c) sum -= s.slope[c] * moment[c];
+  for (int c = 0; c < 3; ++c) sum = add_product(sum, -s.slope[c], moment[c]);
   return {T(1) / (s.rest * s.mass) * sum, s.mass};
 }
 // Sum w m of the plain weights around a point; 0 where it is unusable.

@@ -64,9 +64,9 @@ template <int N = 1> struct Prony {
       T const x = tick.dt / k.tau[i];
       T const keep = exp(-x), gain = x > T(0) ? -expm1(-x) / x : T(1);
       for (int c = 0; c < 5; ++c) {
-        T const q = keep * history[5 * i + c] + gain * change[c];
+        T const q = multiply_add(gain, change[c], keep * history[5 * i + c]);
         history[5 * i + c] = q;
-        relaxed[c] += k.g[i] * (s[c] - q);
+        relaxed[c] = multiply_add(T(k.g[i]), s[c] - q, relaxed[c]);
       }
     }
     tau -= R * unpacked(relaxed) * transpose(R);

@@ -25,7 +25,7 @@ MPMPBD_HD T nearest_on_segment(Vec3<T> const& a, Vec3<T> const& b, Vec3<T> const
 // How far the segment a-b is [m].
 template <class T>
 MPMPBD_HD T distance_to_segment(Vec3<T> const& a, Vec3<T> const& b, Vec3<T> const& x) {
-  return norm(x - (a + nearest_on_segment(a, b, x) * (b - a)));
+  return norm(x - add_product(a, nearest_on_segment(a, b, x), b - a));
 }
 
 // The nearest point of a polyline of `count` points; of equally near pieces the first.
@@ -39,7 +39,7 @@ MPMPBD_HD OnPolyline<T> nearest_on_polyline(Points const& point, std::int64_t co
   for (std::int64_t i = 0; i + 1 < count; ++i) {
     Vec3<T> const b = point(i + 1);
     T const w = nearest_on_segment(a, b, x);
-    Vec3<T> const p = a + w * (b - a);
+    Vec3<T> const p = add_product(a, w, b - a);
     T const d = norm(x - p);
     if (d < best.distance) best = {i, w, d, p};
     a = b;

@@ -46,7 +46,7 @@ template <class T> MPMPBD_HD Quaternion<T> normalised(Quaternion<T> const& q) {
 template <class T> MPMPBD_HD constexpr Vec3<T> rotate(Quaternion<T> const& q, Vec3<T> const& v) {
   Vec3<T> const a = {{q[1], q[2], q[3]}};
   Vec3<T> const t = T(2) / dot(q, q) * cross(a, v);
-  return v + (q[0] * t + cross(a, t));
+  return v + add_product(cross(a, t), q[0], t);
 }
 template <class T>
 MPMPBD_HD constexpr Vec3<T> rotate_back(Quaternion<T> const& q, Vec3<T> const& v) {

@@ -15,7 +15,7 @@ template <class T> struct Triangle {
   MPMPBD_HD T area() const { return T(0.5) * norm(area_normal()); }
   // weights: of b and c; that of a is the rest.
   MPMPBD_HD constexpr Vec3<T> at(Vec<T, 2> const& w) const {
-    return a + w[0] * (b - a) + w[1] * (c - a);
+    return add_product(add_product(a, w[0], b - a), w[1], c - a);
   }
 };
 
@@ -100,7 +100,7 @@ template <class T> struct SheetLine {
 
   MPMPBD_HD Vec3<T> project(Vec3<T> const& v) const {
     Vec3<T> const r = v - origin;
-    return {{r[kx] - shear_x * r[kz], r[ky] - shear_y * r[kz], r[kz]}};
+    return {{multiply_add(-shear_x, r[kz], r[kx]), multiply_add(-shear_y, r[kz], r[ky]), r[kz]}};
   }
 };
 

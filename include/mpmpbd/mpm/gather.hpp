@@ -29,7 +29,7 @@ template <class Body> struct Gather {
     Transfer::finish(p, g, transfer_parameters);
     p[particle::Gradient{}] = Form::uses_moment ? g.moment : g.slope;
     p[particle::Deformation{}] += (T(dt) * p[particle::Gradient{}]) * p[particle::Deformation{}];
-    p[particle::Position{}] += T(dt) * g.velocity;
+    p[particle::Position{}] = add_product(p[particle::Position{}], T(dt), g.velocity);
     return keep_inside(p[particle::Position{}], g.velocity, lattice, dt);
   }
 
@@ -51,7 +51,7 @@ template <class Body> struct Gather {
         auto const about_middle = all([a](Quads<S> const& q) { return q.moment[a]; });
         set_column(g.moment, a,
                    T(S(Shape::inverse_inertia) * lattice.inverse_dx) *
-                       (about_middle + (T(middle) - s.f[a]) * g.velocity));
+                       add_product(about_middle, T(middle) - s.f[a], g.velocity));
       }
       if constexpr (Body::needs_slope)
         set_column(g.slope, a,
@@ -91,28 +91,27 @@ template <class Body> struct Gather {
     return q;
   }
 
-  // Terms of the sums over a row's neighbours along y, and over planes along z.
-  static constexpr int if_slopes = Body::needs_slope ? Shape::width : 1;
-  static constexpr int if_moments = moments ? Shape::width : 1;
-  static constexpr int if_previous = Transfer::needs_previous_grid ? Shape::width : 1;
-  template <class V> struct Rows {
-    V weighted[Shape::width], slope[if_slopes], previous[if_previous];
+  // sum w_n a_n over the neighbours n along an axis, added one after the other.
+  template <class V> struct Along {
+    V total{};
+    template <class S> MPMPBD_INLINE void add(int n, S weight, V const& a) {
+      total = n == 0 ? weight * a : add_product(total, weight, a);
+    }
   };
-  template <class V> struct Planes {
-    V weighted[Shape::width], moment_y[if_moments], slope_y[if_slopes], slope_z[if_slopes],
-        previous[if_previous];
+  // And sum w_n (n - middle) a_n. The arm is a power of two: it is the weight that is multiplied with it, without rounding.
+  template <class V> struct WithMoment {
+    V total{}, moment{};
+    template <class S> MPMPBD_INLINE void add(int n, S weight, V const& a) {
+      S const arm = S(n - middle);
+      if (n == 0) {
+        total = weight * a;
+        if constexpr (moments) moment = arm * total;
+      } else {
+        total = add_product(total, weight, a);
+        if (moments && n != middle) moment = add_product(moment, arm * weight, a);
+      }
+    }
   };
-  template <class V> MPMPBD_INLINE static V total(V const (&a)[Shape::width]) {
-    V sum = a[0];
-    for (int n = 1; n < Shape::width; ++n) sum = sum + a[n];
-    return sum;
-  }
-  template <class S, class V> MPMPBD_INLINE static V moment_of(V const (&a)[Shape::width]) {
-    V sum = S(-middle) * a[0];
-    for (int n = 1; n < Shape::width; ++n)
-      if (n != middle) sum = sum + S(n - middle) * a[n];
-    return sum;
-  }
 
   // Sums some columns, over y, then over z, and adds them to q.
   template <class N, class Nodes, class S>
@@ -120,42 +119,41 @@ template <class Body> struct Gather {
                                         [[maybe_unused]] Nodes const& previous, Weights<S> const& w,
                                         int i) {
     using V = typename N::Values;
-    Planes<V> planes;
+    WithMoment<V> column;
+    [[maybe_unused]] Along<V> moment_y, slope_y, slope_z, before;
     for (int k = 0; k < Shape::width; ++k) {
-      Rows<V> rows;
+      WithMoment<V> row;
+      [[maybe_unused]] Along<V> slope, row_before;
       for (int j = 0; j < Shape::width; ++j) {
         V const v = N::load(nodes.row(j, k), i);
-        rows.weighted[j] = w.y.weight[j] * v;
-        if constexpr (Body::needs_slope) rows.slope[j] = w.y.slope[j] * v;
+        row.add(j, w.y.weight[j], v);
+        if constexpr (Body::needs_slope) slope.add(j, w.y.slope[j], v);
         if constexpr (Transfer::needs_previous_grid)
-          rows.previous[j] = w.y.weight[j] * N::load(previous.row(j, k), i);
+          row_before.add(j, w.y.weight[j], N::load(previous.row(j, k), i));
       }
-      V const row = total(rows.weighted);
-      planes.weighted[k] = w.z.weight[k] * row;
-      if constexpr (moments) planes.moment_y[k] = w.z.weight[k] * moment_of<S>(rows.weighted);
+      column.add(k, w.z.weight[k], row.total);
+      if constexpr (moments) moment_y.add(k, w.z.weight[k], row.moment);
       if constexpr (Body::needs_slope) {
-        planes.slope_z[k] = w.z.slope[k] * row;
-        planes.slope_y[k] = w.z.weight[k] * total(rows.slope);
+        slope_z.add(k, w.z.slope[k], row.total);
+        slope_y.add(k, w.z.weight[k], slope.total);
       }
-      if constexpr (Transfer::needs_previous_grid)
-        planes.previous[k] = w.z.weight[k] * total(rows.previous);
+      if constexpr (Transfer::needs_previous_grid) before.add(k, w.z.weight[k], row_before.total);
     }
     auto const w_x = N::each(w.x.weight + i);
-    V const column = total(planes.weighted), weighted = w_x * column;
-    q.velocity = N::add(q.velocity, weighted);
+    q.velocity = N::add_product(q.velocity, w_x, column.total);
     if constexpr (moments) {
       if (!N::all_zero(i - middle))
-        q.moment[0] = N::add(q.moment[0], N::numbered(i - middle) * weighted);
-      q.moment[1] = N::add(q.moment[1], w_x * total(planes.moment_y));
-      q.moment[2] = N::add(q.moment[2], w_x * moment_of<S>(planes.weighted));
+        q.moment[0] = N::add_product(q.moment[0], N::numbered(i - middle) * w_x, column.total);
+      q.moment[1] = N::add_product(q.moment[1], w_x, moment_y.total);
+      q.moment[2] = N::add_product(q.moment[2], w_x, column.moment);
     }
     if constexpr (Body::needs_slope) {
-      q.slope[0] = N::add(q.slope[0], N::each(w.x.slope + i) * column);
-      q.slope[1] = N::add(q.slope[1], w_x * total(planes.slope_y));
-      q.slope[2] = N::add(q.slope[2], w_x * total(planes.slope_z));
+      q.slope[0] = N::add_product(q.slope[0], N::each(w.x.slope + i), column.total);
+      q.slope[1] = N::add_product(q.slope[1], w_x, slope_y.total);
+      q.slope[2] = N::add_product(q.slope[2], w_x, slope_z.total);
     }
     if constexpr (Transfer::needs_previous_grid)
-      q.previous = N::add(q.previous, w_x * total(planes.previous));
+      q.previous = N::add_product(q.previous, w_x, before.total);
   }
 
   // One vector of every lane's sums.

@@ -36,10 +36,9 @@ template <class T, class Shape> struct Stencil {
   MPMPBD_INLINE static Stencil at(Lattice<T> const& lattice, Vec3<T> const& x) {
     Stencil s;
     for (int a = 0; a < 3; ++a) {
-      T const cells = x[a] * lattice.inverse_dx;
-      T const first = floor(cells - T(Shape::offset));
+      T const first = floor(multiply_add(x[a], lattice.inverse_dx, T(-Shape::offset)));
       s.base[a] = static_cast<int>(first);
-      s.f[a] = cells - first;
+      s.f[a] = multiply_add(x[a], lattice.inverse_dx, -first);
     }
     return s;
   }

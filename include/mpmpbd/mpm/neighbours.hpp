@@ -21,8 +21,10 @@ template <class T> struct OneNode {
   template <class Row> MPMPBD_INLINE static Values load(Row const& row, int first) {
     return row[first];
   }
-  // sum + the node's values.
-  MPMPBD_INLINE static Quad<T> add(Quad<T> const& sum, Values const& a) { return sum + a; }
+  // sum + s times the node's values.
+  MPMPBD_INLINE static Quad<T> add_product(Quad<T> const& sum, T s, Values const& a) {
+    return mpmpbd::add_product(sum, s, a);
+  }
 };
 
 #if defined(MPMPBD_HAS_PACKS)
@@ -45,8 +47,10 @@ struct TwoNodes {
   MPMPBD_WIDE static Values load(Quad<float> const* row, int first) {
     return Values::load(reinterpret_cast<float const*>(row + first));
   }
-  MPMPBD_WIDE static Quad<float> add(Quad<float> const& sum, Values const& a) {
-    return (sum + low_half(a)) + high_half(a);
+  MPMPBD_WIDE static Quad<float> add_product(Quad<float> const& sum, Values const& s,
+                                             Values const& a) {
+    Values const both = s * a;
+    return (sum + low_half(both)) + high_half(both);
   }
 };
 #endif

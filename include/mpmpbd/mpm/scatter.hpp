@@ -56,9 +56,9 @@ template <class T, class Shape> struct Stencils {
   MPMPBD_INLINE static Stencils at(Lattice<lane_t<T>> const& lattice, Vec3<T> const& x) {
     Stencils s;
     for (int a = 0; a < 3; ++a) {
-      T const cells = x[a] * T(lattice.inverse_dx);
-      s.first[a] = floor(cells - T(Shape::offset));
-      s.f[a] = cells - s.first[a];
+      T const per_cell(lattice.inverse_dx);
+      s.first[a] = floor(multiply_add(x[a], per_cell, T(-Shape::offset)));
+      s.f[a] = multiply_add(x[a], per_cell, -s.first[a]);
     }
     return s;
   }
@@ -185,7 +185,7 @@ template <class Body> struct Scatter {
       auto const sum = [i](auto const& c) { return c[0][i] + c[1][i] + c[2][i]; };
       auto const size = [i](auto const& c) { return abs(c[0][i]) + abs(c[1][i]) + abs(c[2][i]); };
       S const reach = half * size(q.gradient);
-      S const greatest = abs(q.value[i] + half * sum(q.gradient)) + reach;
+      S const greatest = abs(multiply_add(half, sum(q.gradient), q.value[i])) + reach;
       return Form::uses_moment ? greatest : greatest + size(q.impulse);
     };
     return max(max(max(S(0), of(0)), of(1)), of(2));
@@ -203,25 +203,25 @@ template <class Body> struct Scatter {
     };
     if constexpr (requires { grid.shares(); }) {
       auto shares = grid.shares();
-      to_nodes([&shares](auto const& row, int i, auto const& share) MPMPBD_ALWAYS_INLINE {
+      to_nodes([&shares](auto const& row, int i, S weight, auto const& all) MPMPBD_ALWAYS_INLINE {
         if constexpr (previous) {
-          row.add_previous_counts(i, shares.next(share));
+          row.add_previous_counts(i, shares.next(weight, all));
         } else {
-          row.add_mass(i, share);
-          row.add_counts(i, shares.next(share));
+          row.add_mass(i, weight, all);
+          row.add_counts(i, shares.next(weight, all));
         }
       });
     } else {
-      to_nodes([](auto const& row, int i, auto const& share) MPMPBD_ALWAYS_INLINE {
+      to_nodes([](auto const& row, int i, S weight, auto const& all) MPMPBD_ALWAYS_INLINE {
         if constexpr (previous)
-          row.add_previous(i, share);
+          row.add_previous(i, weight * all);
         else
-          row.add(i, share);
+          row.add(i, weight * all);
       });
     }
   }
   // w_i w_j w_k (value + gradient d) to the nodes of some columns, the products of weights taken plane by
-  // plane and row by row.
+  // plane and row by row; the last weight is given with what it weighs, put(row, i, w_j, all), which a sum of counts joins.
   template <class N, bool previous, class Nodes, class S, class Put>
   MPMPBD_INLINE static void add_columns(Nodes const& nodes, Weights<S> const& w,
                                         detail::LaneMomentum<S> const& q, int i, Put const& put) {
@@ -229,7 +229,7 @@ template <class Body> struct Scatter {
     constexpr bool slopes = !previous && !Form::uses_moment;
     auto const w_x = N::each(w.x.weight + i);
     V column = N::all(q.value);
-    if (!N::all_zero(i)) column = column + N::numbered(i) * N::all(q.gradient[0]);
+    if (!N::all_zero(i)) column = add_product(column, N::numbered(i), N::all(q.gradient[0]));
     column = w_x * column;
     using Change = typename N::Changes;
     Change const along_y = w_x * N::all(q.gradient[1]);
@@ -244,9 +244,11 @@ template <class Body> struct Scatter {
       if constexpr (slopes) row = add_product(row, w.z.slope[k], across_z);
       for (int j = 0; j < Shape::width; ++j) {
         if (j > 0) row = add_product(row, w.z.weight[k], along_y);
-        V sum = w.y.weight[j] * row;
-        if constexpr (slopes) sum = add_product(sum, w.y.slope[j], w.z.weight[k] * across_y);
-        put(nodes.row(j, k), i, sum);
+        if constexpr (slopes)
+          put(nodes.row(j, k), i, S(1),
+              add_product(w.y.weight[j] * row, w.y.slope[j], w.z.weight[k] * across_y));
+        else
+          put(nodes.row(j, k), i, w.y.weight[j], row);
       }
     }
   }
@@ -259,7 +261,7 @@ template <class Body> struct Scatter {
                                                           [[maybe_unused]] S dt) {
     T const m = amount.inertia;
     Vec3<T> v = m * p[particle::Velocity{}];
-    if constexpr (driven) v += (m * T(dt)) * p[particle::Acceleration{}];
+    if constexpr (driven) v = add_product(v, m * T(dt), p[particle::Acceleration{}]);
     Mat3<T> A{};
     if constexpr (Transfer::carries_affine) A = (m * T(lattice.dx)) * p[particle::Affine{}];
     if constexpr (forces)

@@ -23,14 +23,15 @@ template <> struct NumbersOf<float> {
   static constexpr float scale = 4194304.0f;  // 2^22
   static constexpr float most_cells = 1.0f;
   // For |a| up to `scale`, the most that a particle brings to a node: 3 x 2^22 more, and the whole numbers are the last bits
-  // of a float, beside others that differences do not have. The sum joins the product before it, and no conversion is waited
-  // for. NaN is some number; gather, which finds it, gives its environment up.
+  // of a float, beside others that differences do not have; no conversion is waited for. NaN is some number; gather, which
+  // finds it, gives its environment up.
   __device__ __forceinline__ static Integer bits_of_nearest(float a) {
     return __float_as_int(a + 3.0f * scale);
   }
-  __device__ __forceinline__ static Integer nearest(float a) {
+  // To a b.
+  __device__ __forceinline__ static Integer nearest(float a, float b) {
     constexpr int bits_of_zero = 0x4b400000;
-    return bits_of_nearest(a) - bits_of_zero;
+    return __float_as_int(multiply_add(a, b, 3.0f * scale)) - bits_of_zero;
   }
 };
 template <> struct NumbersOf<double> {
@@ -41,8 +42,10 @@ template <> struct NumbersOf<double> {
   using Unsigned = unsigned long long;
   static constexpr double scale = 17592186044416.0;  // 2^44
   static constexpr double most_cells = 1024.0;
-  __device__ __forceinline__ static Integer nearest(double a) { return __double2ll_rn(a); }
-  __device__ __forceinline__ static Integer bits_of_nearest(double a) { return nearest(a); }
+  __device__ __forceinline__ static Integer bits_of_nearest(double a) { return __double2ll_rn(a); }
+  __device__ __forceinline__ static Integer nearest(double a, double b) {
+    return __double2ll_rn(a * b);
+  }
 };
 
 // Adds unsigned: a lost environment's sum wraps, and no other atomic sum has 64 bits. The bits are those of a signed sum.
@@ -134,13 +137,14 @@ template <class T> struct Shares {
     Integer const none = Numbers::bits_of_nearest(T(0));
     return {{start, start, start}, {none, none, none}};
   }
-  __device__ __forceinline__ Counts<T> next(Quad<T> const& share) {
-    return {next(0, share[0]), next(1, share[1]), next(2, share[2])};
+  // Of the share weight * all.
+  __device__ __forceinline__ Counts<T> next(T weight, Quad<T> const& all) {
+    return {next(0, weight, all[0]), next(1, weight, all[1]), next(2, weight, all[2])};
   }
 
  private:
-  __device__ __forceinline__ Integer next(int a, T share) {
-    sum[a] += share;
+  __device__ __forceinline__ Integer next(int a, T weight, T all) {
+    sum[a] = multiply_add(weight, all, sum[a]);
     Integer const now = Numbers::bits_of_nearest(sum[a]), more = now - given[a];
     given[a] = now;
     return more;
@@ -166,8 +170,8 @@ template <class T> struct FixedRow {
   __device__ __forceinline__ FixedRow operator+(int n) const {
     return {x + n, y + n, z + n, mass + n};
   }
-  __device__ __forceinline__ void add_mass(int n, Quad<T> const& q) const {
-    cuda::add_counts<T>(mass + n, NumbersOf<T>::nearest(q[3]));
+  __device__ __forceinline__ void add_mass(int n, T weight, Quad<T> const& all) const {
+    cuda::add_counts<T>(mass + n, NumbersOf<T>::nearest(weight, all[3]));
   }
   __device__ __forceinline__ void add_counts(int n, Counts<T> const& c) const {
     cuda::add_counts<T>(x + n, c.x);

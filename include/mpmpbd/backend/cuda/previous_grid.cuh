@@ -8,7 +8,9 @@ namespace mpmpbd::cuda {
 template <class T> struct BothRows {
   FixedRow<T> now, before;
   __device__ __forceinline__ BothRows operator+(int n) const { return {now + n, before + n}; }
-  __device__ __forceinline__ void add_mass(int n, Quad<T> const& q) const { now.add_mass(n, q); }
+  __device__ __forceinline__ void add_mass(int n, T weight, Quad<T> const& all) const {
+    now.add_mass(n, weight, all);
+  }
   __device__ __forceinline__ void add_counts(int n, Counts<T> const& c) const {
     now.add_counts(n, c);
   }

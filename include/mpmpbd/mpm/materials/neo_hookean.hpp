@@ -28,7 +28,8 @@ struct NeoHookean {
     auto const positive = J > T(0);
     // Inverted: zero, and NaN stays NaN.
     T const mu = select(positive, T(k.mu), T(0));
-    T const pressure = select(positive, k.lambda * log(select(positive, J, T(1))) - k.mu, T(0));
+    T const pressure =
+        select(positive, multiply_add(T(k.lambda), log(select(positive, J, T(1))), -T(k.mu)), T(0));
     Mat3<T> tau{};
     for (int i = 0; i < 3; ++i) tau(i, i) = pressure;
     return add_product(tau, mu, F * transpose(F));

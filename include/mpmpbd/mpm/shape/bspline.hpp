@@ -35,7 +35,7 @@ struct QuadraticBSpline {
 
   template <class T> MPMPBD_HD static constexpr T weight(int i, T f) {
     return i == 0   ? T(0.5) * (T(1.5) - f) * (T(1.5) - f)
-           : i == 1 ? T(0.75) - (f - 1) * (f - 1)
+           : i == 1 ? multiply_add(T(1) - f, f - T(1), T(0.75))
                     : T(0.5) * (f - T(0.5)) * (f - T(0.5));
   }
   template <class T> MPMPBD_HD static constexpr T slope(int i, T f) {
@@ -56,7 +56,8 @@ struct CubicBSpline {
 
   template <class T> MPMPBD_HD static constexpr T weight(int i, T f) {
     T const r = i < 2 ? f - T(i) : T(i) - f;  // distance in cells, in [0, 2]
-    return i == 1 || i == 2 ? (T(0.5) * r - 1) * r * r + T(2) / 3 : (2 - r) * (2 - r) * (2 - r) / 6;
+    return i == 1 || i == 2 ? multiply_add(multiply_add(T(0.5), r, T(-1)) * r, r, T(2) / 3)
+                            : (2 - r) * (2 - r) * (2 - r) / 6;
   }
   // dw/dx at the particle; x_p - x_i > 0 for the first two nodes.
   template <class T> MPMPBD_HD static constexpr T slope(int i, T f) {

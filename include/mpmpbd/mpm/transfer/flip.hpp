@@ -29,7 +29,7 @@ struct Flip {
   template <class P, class T, class K>
   MPMPBD_INLINE static void finish(P& p, Gathered<T> const& g, K const& k) {
     p[particle::Velocity{}] =
-        g.velocity + k.blend * (p[particle::Velocity{}] - g.previous_velocity);
+        add_product(g.velocity, k.blend, p[particle::Velocity{}] - g.previous_velocity);
   }
 };
 
