@@ -6,8 +6,8 @@
 namespace mpmpbd {
 
 // Whether a node at x [m] is on the plane or behind it: at x <= plane where inward is 1, at x >= plane where it is -1.
-// Coordinates of nodes and planes are rounded, and a compiler may join a product to this difference: a node counts
-// as on a plane that is off by four units in the last place, or a floor would sink by a cell.
+// Coordinates of nodes and planes are rounded: a node counts as on a plane that is off by four units in the last place, or a
+// floor would sink by a cell.
 template <class T> MPMPBD_HD bool at_or_behind(T x, T plane, T inward) {
   return (x - plane) * inward <= 4 * epsilon<T> * abs(plane);
 }

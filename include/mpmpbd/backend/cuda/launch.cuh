@@ -108,11 +108,10 @@ template <class Scene, class T> class ParticleLook {
   Room<T> room_[3];
 };
 
-// What this thread finds in a run of slots. `context`: a copy. The products of its numbers are then made before the loop in
-// every kernel; in the loop they would be joined to sums, to other bits.
+// What this thread finds in a run of slots.
 template <class Scene, class T, class Ctx>
 __device__ Findings<T> look_at_particles(Launch<Scene, T> const& launch, std::int64_t env,
-                                         Run const& slots, Ctx const context) {
+                                         Run const& slots, Ctx const& context) {
   using Look = ParticleLook<Scene, T>;
   Look const look(launch);
   Findings<T> all;

@@ -85,11 +85,7 @@ template <class Scene, class T, int ahead = 0> struct ParticlePasses {
                                                    Findings<T>& found, Met& met) const {
     bool finite = false;
     visit<Scattering>(
-        index, true,
-        [&](auto& p) {
-          finite = look.at(p, index, next, found);
-          keep_apart(p);
-        },
+        index, true, [&](auto& p) { finite = look.at(p, index, next, found); },
         [&](auto& p) { add(p, next, met, ToGrid{finite}); });
   }
   __device__ __forceinline__ void gather(std::int64_t index, Ctx const& now, Met& met) const {
@@ -101,11 +97,7 @@ template <class Scene, class T, int ahead = 0> struct ParticlePasses {
                                                      Ctx const& next, Met& met,
                                                      To const& to = {}) const {
     visit<Both>(
-        index, to.has_particle,
-        [&](auto& p) {
-          met.now |= G2P::run(p, velocities(), now);
-          keep_apart(p);
-        },
+        index, to.has_particle, [&](auto& p) { met.now |= G2P::run(p, velocities(), now); },
         [&](auto& p) { add(p, next, met, to); });
   }
 
@@ -127,24 +119,6 @@ template <class Scene, class T, int ahead = 0> struct ParticlePasses {
   __device__ __forceinline__ void add(P& p, Ctx const& next, Met& met, To const& to) const {
     to(p, sums(start_of<T>(p[particle::Position{}], next.tick.step)),
        [&](auto const& where) { met.next |= P2G::run(p, where, next); });
-  }
-  // What a stage leaves in registers is rounded as in memory: no product of one stage is fused with a sum of the next,
-  // and passes apart give the same bits.
-  template <class... Fs>
-  __device__ __forceinline__ static void keep_apart(Local<T, Fields<Fs...>>& p) {
-    (keep_apart(p[Fs{}]), ...);
-  }
-  template <class Value>
-  __device__ __forceinline__ static void keep_apart([[maybe_unused]] Value& v) {
-    if constexpr (requires { Value::size; }) {
-      for (int i = 0; i < Value::size; ++i) keep_apart(v[i]);
-    }
-#if defined(__CUDA_ARCH__)
-    else if constexpr (std::is_same_v<Value, float>)
-      asm volatile("" : "+f"(v));
-    else if constexpr (std::is_same_v<Value, double>)
-      asm volatile("" : "+d"(v));
-#endif
   }
   // Where particles are, which a block of so many threads that it announces reads for each of them, by an offset of zero that
   // nvcc does not know: it has no registers to keep that in, and local memory is far away.
