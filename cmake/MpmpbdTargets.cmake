@@ -77,7 +77,8 @@ target_compile_options(mpmpbd_cuda INTERFACE
   "$<$<COMPILE_LANGUAGE:CUDA>:-std=c++20>"
   # A host function of a .cu gives the bits of the same function in a .cpp, and a device function the
   # same bits in every kernel: products are joined with sums by multiply_add, never by nvcc (decision 32).
-  "$<$<COMPILE_LANG_AND_ID:CUDA,NVIDIA>:-Xcompiler=-ffp-contract=off;-fmad=false>")
+  "$<$<COMPILE_LANG_AND_ID:CUDA,NVIDIA>:-Xcompiler=-ffp-contract=off;-fmad=false>"
+  "$<$<COMPILE_LANG_AND_ID:CUDA,Clang>:-ffp-contract=off>")
 if(MPMPBD_HAS_CUDA)
   add_library(mpmpbd::cuda ALIAS mpmpbd_cuda)
 endif()

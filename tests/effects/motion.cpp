@@ -233,7 +233,7 @@ TEMPLATE_TEST_CASE("walls and boxes on a plane of nodes hold these nodes", "[eff
       wrong += !holds(type_identity<High>{}, i, wall) + holds(type_identity<High>{}, i - 1, wall);
       for (int node : {i - 1, i, i + 1})
         wrong += holds(type_identity<PinnedRegion>{}, node, box) != (node == i);
-      // A difference that is rounded once, as a device may do, is within what counts as on the plane.
+      // A difference that is rounded once, as a compiler that joins products to sums would have it, is within what counts as on the plane.
       wrong += std::fma(T(i), lattice.dx, -plane) > 4 * epsilon<T> * plane;
     }
   }

@@ -100,10 +100,11 @@ template <Real T> MPMPBD_HD T reciprocal(T a) {
   return T(1) / a;
 }
 // a b + c. A device rounds it once, and nothing else: its compiler, left to join products with sums as it likes, decides by
-// what is around, and one text gets other bits in another kernel (decision 32).
-template <Real T> MPMPBD_HD constexpr T multiply_add(T a, T b, T c) {
+// what is around, and one text gets other bits in another kernel (decision 32). In constant expressions it is the host's.
+template <class T> MPMPBD_HD constexpr T multiply_add(T a, T b, T c) {
 #if defined(__CUDA_ARCH__)
-  if (!__builtin_is_constant_evaluated()) return ::fma(a, b, c);
+  if constexpr (Real<T>)
+    if (!__builtin_is_constant_evaluated()) return ::fma(a, b, c);
 #endif
   return a * b + c;
 }

@@ -161,14 +161,14 @@ template <class T> MPMPBD_HD constexpr Mat3<T> cofactor(Mat3<T> const& f) {
 }
 template <class T> MPMPBD_HD constexpr T determinant(Mat3<T> const& f) {
   T const first = f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1));
-  T const two = multiply_add(f(0, 1), f(1, 2) * f(2, 0) - f(1, 0) * f(2, 2), first);
-  return multiply_add(f(0, 2), f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0), two);
+  T const first_two = multiply_add(f(0, 1), f(1, 2) * f(2, 0) - f(1, 0) * f(2, 2), first);
+  return multiply_add(f(0, 2), f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0), first_two);
 }
 // Inverse by cofactors; the caller knows that the determinant is not zero.
 template <class T> MPMPBD_HD constexpr Mat3<T> inverse(Mat3<T> const& f) {
   Mat3<T> const c = cofactor(f);
-  T const two = multiply_add(f(0, 1), c(0, 1), f(0, 0) * c(0, 0));
-  return T(1) / multiply_add(f(0, 2), c(0, 2), two) * transpose(c);
+  T const first_two = multiply_add(f(0, 1), c(0, 1), f(0, 0) * c(0, 0));
+  return T(1) / multiply_add(f(0, 2), c(0, 2), first_two) * transpose(c);
 }
 template <class T> MPMPBD_HD Mat3<T> deviator(Mat3<T> a) {
   T const sum = trace(a);

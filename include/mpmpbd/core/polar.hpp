@@ -23,8 +23,8 @@ template <class T> MPMPBD_HD Mat3<T> spectral(Mat3<T> const& A, Vec3<T> const& s
   Mat3<T> r{};
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i <= j; ++i)
-      r(i, j) = r(j, i) =
-          A(i, 0) * s[0] * A(j, 0) + A(i, 1) * s[1] * A(j, 1) + A(i, 2) * s[2] * A(j, 2);
+      r(i, j) = r(j, i) = multiply_add(
+          A(i, 2) * s[2], A(j, 2), multiply_add(A(i, 1) * s[1], A(j, 1), A(i, 0) * s[0] * A(j, 0)));
   return r;
 }
 

@@ -55,7 +55,7 @@ MPMPBD_INLINE Massless<T> operator*(detail::identity_t<T> s, Massless<T> const& 
 }
 #endif
 
-// sum + s a, as multiply_add does it; V is a quad or a pack of some.
+// sum + s a, as multiply_add does it; V is a quad or a pack of some. What has no mass leaves that of the sum.
 template <class V, class S, class Change>
   requires requires(V const& q) { q.v; }
 MPMPBD_INLINE V add_product(V const& sum, S s, Change const& a) {

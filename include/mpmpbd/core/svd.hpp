@@ -32,22 +32,22 @@ template <class T> MPMPBD_HD constexpr void set_column(Mat3<T>& a, int j, Vec3<T
 template <class T> MPMPBD_INLINE void turn_columns(Mat3<T>& B, Mat3<T>& V, int p, int q) {
   T alpha = T(0), beta = T(0), gamma = T(0);
   for (int i = 0; i < 3; ++i) {
-    alpha += B(i, p) * B(i, p);
-    beta += B(i, q) * B(i, q);
-    gamma += B(i, p) * B(i, q);
+    alpha = multiply_add(B(i, p), B(i, p), alpha);
+    beta = multiply_add(B(i, q), B(i, q), beta);
+    gamma = multiply_add(B(i, p), B(i, q), gamma);
   }
   // tan of the angle, |tan| <= 1; written so that 0/0 cannot occur.
   T const half = (beta - alpha) / 2;
-  T const root = abs(half) + sqrt(half * half + gamma * gamma);
+  T const root = abs(half) + sqrt(multiply_add(gamma, gamma, half * half));
   T const t = root > T(0) ? (half < T(0) ? -gamma : gamma) / root : T(0);
-  T const c = T(1) / sqrt(T(1) + t * t);
+  T const c = T(1) / sqrt(multiply_add(t, t, T(1)));
   T const s = c * t;
   for (int i = 0; i < 3; ++i) {
     T const b = B(i, p), v = V(i, p);
-    B(i, p) = c * b - s * B(i, q);
-    B(i, q) = s * b + c * B(i, q);
-    V(i, p) = c * v - s * V(i, q);
-    V(i, q) = s * v + c * V(i, q);
+    B(i, p) = multiply_add(-s, B(i, q), c * b);
+    B(i, q) = multiply_add(c, B(i, q), s * b);
+    V(i, p) = multiply_add(-s, V(i, q), c * v);
+    V(i, q) = multiply_add(c, V(i, q), s * v);
   }
 }
 
@@ -64,7 +64,7 @@ template <class T> MPMPBD_INLINE void order_columns(Mat3<T>& B, Mat3<T>& V, int 
 
 // One Newton step towards the nearest rotation: takes an error of 1e-6 to that of rounding.
 template <class T> MPMPBD_HD Mat3<T> polished(Mat3<T> const& R) {
-  return R + T(0.5) * (R * (Mat3<T>::identity() - transpose(R) * R));
+  return add_product(R, T(0.5), R * (Mat3<T>::identity() - transpose(R) * R));
 }
 
 // A unit vector orthogonal to the unit vector a.
@@ -108,11 +108,10 @@ template <class T> MPMPBD_HD Svd<T> svd(Mat3<T> const& F) {
   Vec3<T> const b0 = detail::column(B, 0), b1 = detail::column(B, 1), b2 = detail::column(B, 2);
   T const s0 = norm(b0);
   Vec3<T> const u0 = s0 > T(0) ? T(1) / s0 * b0 : vec(T(1), T(0), T(0));
-  Vec3<T> across = b1 - dot(u0, b1) * u0;
+  Vec3<T> const across = add_product(b1, -dot(u0, b1), u0);
   T const width = norm(across);
   Vec3<T> u1 = width > 4 * epsilon<T> * s0 ? T(1) / width * across : detail::any_orthogonal(u0);
-  u1 -= dot(u0, u1) * u0;
-  u1 = direction(u1);
+  u1 = direction(add_product(u1, -dot(u0, u1), u0));
   Vec3<T> const u2 = cross(u0, u1);
 
   Svd<T> r{};
@@ -123,7 +122,8 @@ template <class T> MPMPBD_HD Svd<T> svd(Mat3<T> const& F) {
   r.V = V;
   T const s1 = dot(u1, b1), s2 = dot(u2, b2);
   T const unit = max(scale, tiny);
-  r.sigma = {{unit * s0 + poison, unit * s1 + poison, unit * s2 + poison}};
+  r.sigma = {{multiply_add(unit, s0, poison), multiply_add(unit, s1, poison),
+              multiply_add(unit, s2, poison)}};
   for (int i = 0; i < 9; ++i) {
     r.U.m[i] += poison;
     r.V.m[i] += poison;

@@ -139,13 +139,16 @@ template <class T> MPMPBD_HD Cofactors<T> definite_cofactors(Mat3<T> const& A) {
   T const least = epsilon<T>;
   T const d1 = max(A(0, 0), least), per_d1 = reciprocal(d1);
   T const l21 = A(1, 0) * per_d1, l31 = A(2, 0) * per_d1;
-  T const d2 = max(A(1, 1) - l21 * A(1, 0), least);
-  T const l32 = (A(2, 1) - l31 * A(1, 0)) * reciprocal(d2);
-  T const d3 = max(A(2, 2) - l31 * A(2, 0) - l32 * l32 * d2, least);
-  T const m31 = l21 * l32 - l31;  // rows of L^-1: (1, 0, 0), (-l21, 1, 0), (m31, -l32, 1)
+  T const d2 = max(multiply_add(-l21, A(1, 0), A(1, 1)), least);
+  T const l32 = multiply_add(-l31, A(1, 0), A(2, 1)) * reciprocal(d2);
+  T const rest = multiply_add(-l31, A(2, 0), A(2, 2));
+  T const d3 = max(multiply_add(-(l32 * l32), d2, rest), least);
+  T const m31 =
+      multiply_add(l21, l32, -l31);  // rows of L^-1: (1, 0, 0), (-l21, 1, 0), (m31, -l32, 1)
   T const d12 = d1 * d2, d13 = d1 * d3, d23 = d2 * d3;
-  return {symmetric(d23 + d13 * l21 * l21 + d12 * m31 * m31, -d13 * l21 - d12 * m31 * l32,
-                    d12 * m31, d13 + d12 * l32 * l32, -d12 * l32, d12),
+  T const xx = multiply_add(d12 * m31, m31, multiply_add(d13 * l21, l21, d23));
+  T const yx = multiply_add(-(d12 * m31), l32, -d13 * l21);
+  return {symmetric(xx, yx, d12 * m31, multiply_add(d12 * l32, l32, d13), -d12 * l32, d12),
           d12 * d3};
 }
 
@@ -177,7 +180,7 @@ template <class T> struct Pivot {
     auto const [C, det] = definite_cofactors(f.A);
     f.C = C;
     Vec3<T> const Cp = C * f.p;
-    T const whole = f.gamma * det + dot(f.p, Cp), per_whole = reciprocal(whole);
+    T const whole = multiply_add(f.gamma, det, dot(f.p, Cp)), per_whole = reciprocal(whole);
     f.factor = per_whole * per_size;
     f.edge = per_whole * Cp;
     f.scale = det * per_whole * size;

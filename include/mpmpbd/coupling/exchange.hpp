@@ -231,7 +231,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       PointWork<T>& w = x.work[q];
       if (!x.on[q]) return;
       w.u = grid_velocity(x.incidence, q);
-      if (given) w.u += w.compliance * w.J;
+      if (given) w.u = add_product(w.u, w.compliance, w.J);
     });
     team.sync();
   }
@@ -311,7 +311,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 
   // u - N V as the warm start leaves it, before any trial: `trial` has the response to the whole offer still.
   MPMPBD_HD Vec3<T> slip_at_start(int q) const {
-    return x.work[q].u - (velocity_alone(q) + x.scratch->share * body_velocity(q));
+    return x.work[q].u - add_product(velocity_alone(q), x.scratch->share, body_velocity(q));
   }
 
   // Adds two numbers f(q) up over the points that are on, in their order; one lane gives the sums to use(sums).
@@ -337,8 +337,9 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
               x.incidence, q, [](Vec3<T> const& sum, T w, TouchedNode<T> const& n) {
                 return add_product(sum, w, n.change);
               });
-          return Vec<T, 2>{{dot(j, x.work[q].slip),
-                            dot(j, moved + x.work[q].compliance * j - body_velocity(q))}};
+          return Vec<T, 2>{
+              {dot(j, x.work[q].slip),
+               dot(j, add_product(moved, x.work[q].compliance, j) - body_velocity(q))}};
         },
         [&](Vec<T, 2> const& sum) {
           T const power = sum[0], stiffness = sum[1];
@@ -393,14 +394,15 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     auto const& t = x.thread_work;
     team.each(x.incidence.count(), [&](int i) {
       TouchedNode<T>& n = x.incidence.nodes[i];
-      n.velocity = n.start + share * (n.velocity - n.start);
+      n.velocity = add_product(n.start, share, n.velocity - n.start);
     });
-    team.each(x.thread.beads,
-              [&](int k) { t.trial[k] = {t.alone[k] + share * (t.trial[k] - t.alone[k])}; });
+    team.each(x.thread.beads, [&](int k) {
+      t.trial[k] = {add_product(t.alone[k], share, t.trial[k] - t.alone[k])};
+    });
     team.each(x.count(), [&](int q) { x.work[q].J *= share; });
     team.one([&] {
       Vec<T, 6> const& alone = x.scratch->alone();
-      x.scratch->body() = alone + share * (x.scratch->body() - alone);
+      x.scratch->body() = add_product(alone, share, x.scratch->body() - alone);
     });
     team.sync();
   }
@@ -424,7 +426,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
     auto const& t = x.thread_work;
     team.each(x.thread.beads, [&](int k) {
       x.thread.velocity[k] = t.trial[k].bead();
-      x.thread.position[k] += x.dt * x.thread.velocity[k];
+      x.thread.position[k] = add_product(x.thread.position[k], x.dt, x.thread.velocity[k]);
       x.thread.impulse[k] = k + 1 < x.thread.beads ? t.trial[k + 1].link() : T(0);
     });
     team.each(x.count(), [&](int q) { x.points[q].impulse = x.on[q] ? x.work[q].J : Vec3<T>{}; });

@@ -90,9 +90,11 @@ template <class View_, class T>
 MPMPBD_HD void place_on_thread(View_ const& x, ContactPoint<T>& p, int segment, T along) {
   p.segment = segment;
   p.along = along;
-  p.position = (1 - along) * x.thread.position[segment] + along * x.thread.position[segment + 1];
-  p.axis = direction((1 - along) * x.thread_work.tangent[segment] +
-                     along * x.thread_work.tangent[segment + 1]);
+  auto const between = [along](Vec3<T> const& a, Vec3<T> const& b) {
+    return add_product((1 - along) * a, along, b);
+  };
+  p.position = between(x.thread.position[segment], x.thread.position[segment + 1]);
+  p.axis = direction(between(x.thread_work.tangent[segment], x.thread_work.tangent[segment + 1]));
 }
 
 // Positions and tangents of the thread's points: its beads. Tissue then asks as much of the thread as the thread

@@ -140,7 +140,7 @@ template <class Exchange> struct HoldSearch {
   MPMPBD_HD Hold returns(int q) const {
     PointWork<T> const& w = x.work[q];
     return exchange.law.returns(x.points[q], w.hold, w.J + w.dJ,
-                                w.u + w.D * w.dJ - exchange.body_velocity(q));
+                                add_product(w.u, w.D, w.dJ) - exchange.body_velocity(q));
   }
   MPMPBD_HD Hold reconsiders(int q) const {
     PointWork<T>& w = x.work[q];

@@ -145,7 +145,8 @@ MPMPBD_HD std::uint32_t connect(Team_ const& team, Incidence<T> const& c, int po
     TouchedNode<T>& n = c.nodes[i];
     detail::sort_entries<T>(c.pairs + n.first, n.count);
     for (int e = n.first; e < n.first + n.count; ++e)
-      n.split += firmness(c.pairs[e] / c.per_point) * abs(c.weight[c.pairs[e]]);
+      n.split =
+          multiply_add(firmness(c.pairs[e] / c.per_point), abs(c.weight[c.pairs[e]]), n.split);
   });
   team.sync();
   return overflow ? static_cast<std::uint32_t>(Fault::overflow) : 0u;

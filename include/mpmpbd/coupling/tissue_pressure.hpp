@@ -126,8 +126,9 @@ template <class Shape, class Team_, class Env, class X> struct TissueStress {
     for (int e = cell.first; e < cell.first + cell.count; ++e) {
       int const p = c.entries[e];
       T const volume = env.template get<particle::Volume>(p);
-      cell.stress += volume * env.template get<particle::KeptStress>(p);
-      cell.volume += volume * determinant(env.template get<particle::Deformation>(p));
+      T const J = determinant(env.template get<particle::Deformation>(p));
+      cell.stress = add_product(cell.stress, volume, env.template get<particle::KeptStress>(p));
+      cell.volume = multiply_add(volume, J, cell.volume);
     }
   }
   MPMPBD_HD T pressure_at(int q) const {
@@ -135,8 +136,8 @@ template <class Shape, class Team_, class Env, class X> struct TissueStress {
     T volume = T(0);
     for_each_cell(q, [&](int cell, T w) {
       TissueCell<T> const& tissue = c.cells[c.known.slot(cell)];
-      stress += w * tissue.stress;
-      volume += w * tissue.volume;
+      stress = add_product(stress, w, tissue.stress);
+      volume = multiply_add(w, tissue.volume, volume);
     });
     return volume > T(0) ? pressure_across(stress, x.points[q].axis) / volume : T(0);
   }

@@ -26,7 +26,8 @@ struct Gravity {
 
   template <class Item, class K, class T>
   MPMPBD_HD static void apply(Item& node, K const& k, Tick<T> const& tick) {
-    for (int a = 0; a < 3; ++a) node[node::Velocity{}][a] += tick.dt * k.g[a];
+    auto& v = node[node::Velocity{}];
+    for (int a = 0; a < 3; ++a) v[a] = multiply_add(tick.dt, k.g[a], v[a]);
   }
 
   // A bead without inverse mass has a prescribed motion: it does not fall.

@@ -37,14 +37,14 @@ struct Indenter {
     bool const moves = tick.time < k.until;
     T const moved = moves ? tick.time : k.until;
     auto const velocity = vec(k.velocity[0], k.velocity[1], k.velocity[2]);
-    auto const arm =
-        n[node::Position{}] - vec(k.centre[0], k.centre[1], k.centre[2]) - moved * velocity;
+    auto const arm = add_product(n[node::Position{}] - vec(k.centre[0], k.centre[1], k.centre[2]),
+                                 -moved, velocity);
     T const distance = norm(arm);
     if (!(distance < k.radius && distance > T(0))) return;
     auto const out = (T(1) / distance) * arm;
     auto& v = n[node::Velocity{}];
     T const parting = dot(v - (moves ? T(1) : T(0)) * velocity, out);
-    if (parting < T(0)) v -= parting * out;
+    if (parting < T(0)) v = add_product(v, -parting, out);
   }
 };
 

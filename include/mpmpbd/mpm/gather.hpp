@@ -98,7 +98,7 @@ template <class Body> struct Gather {
       total = n == 0 ? weight * a : add_product(total, weight, a);
     }
   };
-  // And sum w_n (n - middle) a_n. The arm is a power of two: it is the weight that is multiplied with it, without rounding.
+  // And sum w_n (n - middle) a_n. Arms are powers of two or 0: the weight is multiplied with its own, which does not round.
   template <class V> struct WithMoment {
     V total{}, moment{};
     template <class S> MPMPBD_INLINE void add(int n, S weight, V const& a) {
@@ -108,7 +108,8 @@ template <class Body> struct Gather {
         if constexpr (moments) moment = arm * total;
       } else {
         total = add_product(total, weight, a);
-        if (moments && n != middle) moment = add_product(moment, arm * weight, a);
+        if constexpr (moments)
+          if (n != middle) moment = add_product(moment, arm * weight, a);
       }
     }
   };

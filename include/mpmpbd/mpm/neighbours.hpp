@@ -49,8 +49,8 @@ struct TwoNodes {
   }
   MPMPBD_WIDE static Quad<float> add_product(Quad<float> const& sum, Values const& s,
                                              Values const& a) {
-    Values const both = s * a;
-    return (sum + low_half(both)) + high_half(both);
+    Values const products = s * a;
+    return (sum + low_half(products)) + high_half(products);
   }
 };
 #endif

@@ -127,7 +127,8 @@ template <class... Policies> struct Pbd {
     detail::each(team, env.template live<Beads>(), [&](std::int64_t b) {
       auto const x = env.template get<bead::Position>(b);
       env.template set<bead::Previous>(b, x);
-      env.template set<bead::Position>(b, x + tick.dt * env.template get<bead::Velocity>(b));
+      env.template set<bead::Position>(
+          b, add_product(x, tick.dt, env.template get<bead::Velocity>(b)));
     });
     if constexpr (has_frames)
       detail::each(team, env.template live<Frames>(), [&](std::int64_t f) {

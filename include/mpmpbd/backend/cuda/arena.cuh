@@ -28,7 +28,7 @@ template <> struct NumbersOf<float> {
   __device__ __forceinline__ static Integer bits_of_nearest(float a) {
     return __float_as_int(a + 3.0f * scale);
   }
-  // To a b.
+  // The count nearest to a b, product and rounding in one instruction.
   __device__ __forceinline__ static Integer nearest(float a, float b) {
     constexpr int bits_of_zero = 0x4b400000;
     return __float_as_int(multiply_add(a, b, 3.0f * scale)) - bits_of_zero;

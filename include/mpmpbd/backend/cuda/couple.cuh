@@ -50,7 +50,7 @@ template <class Scene, class T> struct Couple {
     return run_all_by_team(Stages_{}, team, launch.fields(env), context,
                            seen(launch, env, nodes, context, fast));
   }
-  // The same as a function by itself, so that the compiler joins no product of one stage to a sum of what is around it.
+  // The same as a function by itself: one with two rows of stages keeps more of its numbers on the stack.
   template <class Stages_, class Team_>
   __device__ __noinline__ static std::uint32_t run_apart(Team_ const& team,
                                                          Launch<Scene, T> const& launch,

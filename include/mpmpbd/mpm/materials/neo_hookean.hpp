@@ -54,8 +54,8 @@ struct NeoHookean {
     T const J = determinant(F);
     T const stretch2 = largest_stretch_squared(F);
     T const volume = J > T(0) ? k.lambda * (T(1) - log(J)) : k.lambda;
-    return Stiffness<T>{k.mu * stretch2 + max(T(0), k.mu + volume),
-                        3 * k.lambda + 2 * k.mu * stretch2};
+    return Stiffness<T>{multiply_add(T(k.mu), stretch2, max(T(0), k.mu + volume)),
+                        multiply_add(T(2 * k.mu), stretch2, T(3 * k.lambda))};
   }
 };
 

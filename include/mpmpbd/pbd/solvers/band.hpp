@@ -21,11 +21,11 @@ template <class T, int half> struct BandRows {
     for (int d = half; d >= 1; --d) {
       T s = row[d];
       MPMPBD_UNROLL
-      for (int k = d + 1; k <= half; ++k) s -= raw[k] * L[d - 1][k - d - 1];
+      for (int k = d + 1; k <= half; ++k) s = multiply_add(-raw[k], L[d - 1][k - d - 1], s);
       raw[d] = s;
       next[d - 1] = s * inverse[d - 1];
-      pivot -= s * next[d - 1];
-      right -= next[d - 1] * y[d - 1];
+      pivot = multiply_add(-s, next[d - 1], pivot);
+      right = multiply_add(-next[d - 1], y[d - 1], right);
     }
     bool const solid = pivot > T(64) * epsilon<T> * row[0];
     bool const whole = solid || !(row[0] > T(0));
@@ -56,9 +56,9 @@ template <class T, int half> struct BandSums {
 
   // The unknown of a row that was eliminated; 0 where it had no pivot.
   MPMPBD_INLINE T solve(T const* row, T right) {
-    T const x = right * row[0] - (row[0] > T(0) ? sums[0] : T(0));
+    T const x = multiply_add(right, row[0], -(row[0] > T(0) ? sums[0] : T(0)));
     MPMPBD_UNROLL
-    for (int d = 1; d <= half; ++d) sums[d - 1] = sums[d] + row[d] * x;
+    for (int d = 1; d <= half; ++d) sums[d - 1] = multiply_add(row[d], x, sums[d]);
     return x;
   }
 };
