@@ -143,8 +143,8 @@ template <class T> MPMPBD_HD Cofactors<T> definite_cofactors(Mat3<T> const& A) {
   T const l32 = multiply_add(-l31, A(1, 0), A(2, 1)) * reciprocal(d2);
   T const rest = multiply_add(-l31, A(2, 0), A(2, 2));
   T const d3 = max(multiply_add(-(l32 * l32), d2, rest), least);
-  T const m31 =
-      multiply_add(l21, l32, -l31);  // rows of L^-1: (1, 0, 0), (-l21, 1, 0), (m31, -l32, 1)
+  // Rows of L^-1: (1, 0, 0), (-l21, 1, 0), (m31, -l32, 1).
+  T const m31 = multiply_add(l21, l32, -l31);
   T const d12 = d1 * d2, d13 = d1 * d3, d23 = d2 * d3;
   T const xx = multiply_add(d12 * m31, m31, multiply_add(d13 * l21, l21, d23));
   T const yx = multiply_add(-(d12 * m31), l32, -d13 * l21);
