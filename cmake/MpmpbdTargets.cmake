@@ -37,7 +37,7 @@ target_compile_features(mpmpbd_core INTERFACE cxx_std_20)
 # Without this, g++ fuses a * b + c into one rounding wherever the target has FMA: the same source
 # would give other bits with -march=native, and the vector kernels chosen at run time other bits than
 # the scalar ones. It is a usage requirement, not only a flag of our builds, because the loops are
-# templates: users compile them. A .cu is treated alike, both halves of it, in mpmpbd::cuda.
+# templates: users compile them. A .cu is treated alike by nvcc, both halves of it, in mpmpbd::cuda.
 target_compile_options(mpmpbd_core INTERFACE
   "$<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang,AppleClang>:-ffp-contract=off>")
 
@@ -77,8 +77,7 @@ target_compile_options(mpmpbd_cuda INTERFACE
   "$<$<COMPILE_LANGUAGE:CUDA>:-std=c++20>"
   # A host function of a .cu gives the bits of the same function in a .cpp, and a device function the
   # same bits in every kernel: products are joined with sums by multiply_add, never by nvcc (decision 32).
-  "$<$<COMPILE_LANG_AND_ID:CUDA,NVIDIA>:-Xcompiler=-ffp-contract=off;-fmad=false>"
-  "$<$<COMPILE_LANG_AND_ID:CUDA,Clang>:-ffp-contract=off>")
+  "$<$<COMPILE_LANG_AND_ID:CUDA,NVIDIA>:-Xcompiler=-ffp-contract=off;-fmad=false>")
 if(MPMPBD_HAS_CUDA)
   add_library(mpmpbd::cuda ALIAS mpmpbd_cuda)
 endif()

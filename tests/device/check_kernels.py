@@ -8,7 +8,7 @@ LIBRARY: an object or archive that holds PTX; NODES: those of a stencil, 27 for 
   - a kernel is no more than a call, or a tiled environment's that couples has no more than 128 registers: it then spills
   - anything adds floating-point numbers atomically: its order would show in the bits
   - a sum or a product of floating-point numbers may be joined with another (it does not say how it rounds): a compiler
-    without -fmad=false does that by what is around, in every kernel otherwise
+    without -fmad=false does that by what is around, and so differently from kernel to kernel
   - in the kernel of a form of execution, the fused pass and the last gather do not load a node's velocity and mass at
     once, or the passes that scatter do not add four integers per node: then grid or loop has lost its place in shared
     memory (resident), in the memory of the device (tiled, whose sums go there by way of shared memory or straight), or in
