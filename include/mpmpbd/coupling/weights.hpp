@@ -21,10 +21,10 @@ template <class Shape, class T>
 MPMPBD_HD Neighbourhood<T> neighbourhood(Lattice<T> const& lattice, Vec3<T> const& x) {
   Neighbourhood<T> s{{}, {}, is_finite(x)};
   for (int a = 0; a < 3 && s.inside; ++a) {
-    T const first = floor(multiply_add(x[a], lattice.inverse_dx, T(-Shape::offset)));
-    s.f[a] = multiply_add(x[a], lattice.inverse_dx, -first);
-    s.inside = first >= T(0) && first <= T(lattice.nodes[a] - Shape::width);
-    if (s.inside) s.base[a] = static_cast<int>(first);
+    auto const along = on_axis<Shape>(x[a], lattice.inverse_dx);
+    s.f[a] = along.distance;
+    s.inside = along.first >= T(0) && along.first <= T(lattice.nodes[a] - Shape::width);
+    if (s.inside) s.base[a] = static_cast<int>(along.first);
   }
   return s;
 }

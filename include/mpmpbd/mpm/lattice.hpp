@@ -28,6 +28,16 @@ template <class T> struct Lattice {
   }
 };
 
+// Where a coordinate [m] lies along its axis.
+template <class T> struct OnAxis {
+  T first;     // first node of its stencil, a whole number
+  T distance;  // from that node [cells]
+};
+template <class Shape, class T> MPMPBD_INLINE OnAxis<T> on_axis(T const& x, T const& inverse_dx) {
+  T const first = floor(multiply_add(x, inverse_dx, T(-Shape::offset)));
+  return {first, multiply_add(x, inverse_dx, -first)};
+}
+
 // The nodes around a point and its distance from the first of them; all lengths in cells.
 template <class T, class Shape> struct Stencil {
   int base[3];  // first node per axis
@@ -36,9 +46,9 @@ template <class T, class Shape> struct Stencil {
   MPMPBD_INLINE static Stencil at(Lattice<T> const& lattice, Vec3<T> const& x) {
     Stencil s;
     for (int a = 0; a < 3; ++a) {
-      T const first = floor(multiply_add(x[a], lattice.inverse_dx, T(-Shape::offset)));
-      s.base[a] = static_cast<int>(first);
-      s.f[a] = multiply_add(x[a], lattice.inverse_dx, -first);
+      auto const along = on_axis<Shape>(x[a], lattice.inverse_dx);
+      s.base[a] = static_cast<int>(along.first);
+      s.f[a] = along.distance;
     }
     return s;
   }

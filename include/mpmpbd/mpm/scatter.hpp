@@ -56,9 +56,9 @@ template <class T, class Shape> struct Stencils {
   MPMPBD_INLINE static Stencils at(Lattice<lane_t<T>> const& lattice, Vec3<T> const& x) {
     Stencils s;
     for (int a = 0; a < 3; ++a) {
-      T const per_cell(lattice.inverse_dx);
-      s.first[a] = floor(multiply_add(x[a], per_cell, T(-Shape::offset)));
-      s.f[a] = multiply_add(x[a], per_cell, -s.first[a]);
+      auto const along = on_axis<Shape>(x[a], T(lattice.inverse_dx));
+      s.first[a] = along.first;
+      s.f[a] = along.distance;
     }
     return s;
   }
