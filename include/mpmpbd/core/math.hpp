@@ -100,7 +100,8 @@ template <Real T> MPMPBD_HD T reciprocal(T a) {
   return T(1) / a;
 }
 // a b + c. A device rounds it once, and nothing else: its compiler, left to join products with sums as it likes, decides by
-// what is around, and one text gets other bits in another kernel (decision 32). In constant expressions it is the host's.
+// what is around, and one text gets other bits in another kernel (decision 32). In constant expressions, and of numbers that
+// are neither float nor double, it is the host's.
 template <class T> MPMPBD_HD constexpr T multiply_add(T a, T b, T c) {
 #if defined(__CUDA_ARCH__)
   if constexpr (Real<T>)

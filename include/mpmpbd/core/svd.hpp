@@ -9,7 +9,7 @@
 
 namespace mpmpbd {
 
-// sigma[0] >= sigma[1] >= |sigma[2]|; sigma[2] carries the sign of det F, so det U = det V = 1.
+// sigma[0] >= sigma[1] >= |sigma[2]|, to rounding; sigma[2] carries the sign of det F, so det U = det V = 1.
 template <class T> struct Svd {
   Mat3<T> U;
   Vec3<T> sigma;

@@ -26,8 +26,7 @@ struct Gravity {
 
   template <class Item, class K, class T>
   MPMPBD_HD static void apply(Item& node, K const& k, Tick<T> const& tick) {
-    auto& v = node[node::Velocity{}];
-    for (int a = 0; a < 3; ++a) v[a] = multiply_add(tick.dt, k.g[a], v[a]);
+    fall(node[node::Velocity{}], k, tick);
   }
 
   // A bead without inverse mass has a prescribed motion: it does not fall.
@@ -42,7 +41,7 @@ struct Gravity {
     template <class Item, class K, class T>
     MPMPBD_HD static void apply(Item& bead, K const& k, Tick<T> const& tick) {
       if (!(bead[bead::InverseMass{}] > T(0))) return;
-      for (int a = 0; a < 3; ++a) bead[bead::Velocity{}][a] += tick.dt * k.g[a];
+      fall(bead[bead::Velocity{}], k, tick);
     }
   };
 
@@ -57,9 +56,16 @@ struct Gravity {
 
     template <class Item, class K, class T>
     MPMPBD_HD static void apply(Item& needle, K const& k, Tick<T> const& tick) {
-      for (int a = 0; a < 3; ++a) needle[needle::LinearVelocity{}][a] += tick.dt * k.g[a];
+      fall(needle[needle::LinearVelocity{}], k, tick);
     }
   };
+
+ private:
+  // Rounded alike for all that falls: what starts side by side stays so.
+  template <class V, class K, class T>
+  MPMPBD_HD static void fall(V&& v, K const& k, Tick<T> const& tick) {
+    for (int a = 0; a < 3; ++a) v[a] = multiply_add(tick.dt, k.g[a], v[a]);
+  }
 };
 
 }  // namespace mpmpbd

@@ -98,7 +98,7 @@ template <class Body> struct Gather {
       total = n == 0 ? weight * a : add_product(total, weight, a);
     }
   };
-  // And sum w_n (n - middle) a_n. Arms are powers of two or 0: the weight is multiplied with its own, which does not round.
+  // And sum w_n (n - middle) a_n. Arms are powers of two, their negatives, or 0: to multiply with one does not round.
   template <class V> struct WithMoment {
     V total{}, moment{};
     template <class S> MPMPBD_INLINE void add(int n, S weight, V const& a) {
