@@ -61,7 +61,7 @@ struct Gravity {
   };
 
  private:
-  // Rounded alike for all that falls: what starts side by side stays so.
+  // Rounded alike for nodes, beads and needles.
   template <class V, class K, class T>
   MPMPBD_HD static void fall(V&& v, K const& k, Tick<T> const& tick) {
     for (int a = 0; a < 3; ++a) v[a] = multiply_add(tick.dt, k.g[a], v[a]);
