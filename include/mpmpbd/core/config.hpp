@@ -16,7 +16,14 @@
 #else
 #define MPMPBD_INLINE inline
 #endif
-// The same as a plain attribute, for lambdas (after the parameter list) and host functions.
+// A long function that a kernel calls once, and keeps by itself: where a row of functions is cut would else hang on how
+// long each of them happens to be.
+#if defined(__CUDACC__)
+#define MPMPBD_APART __host__ __device__ __noinline__
+#else
+#define MPMPBD_APART
+#endif
+// MPMPBD_INLINE as a plain attribute, for lambdas (after the parameter list) and host functions.
 #if defined(__GNUC__)
 #define MPMPBD_ALWAYS_INLINE __attribute__((always_inline))
 #else

@@ -456,8 +456,8 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
 //
 // nodes: mass(i) > 0 where it has mass, inverse_mass(i) per axis, velocity(i), set_velocity(i, v).
 template <class Team_, class T, class Form, class Nodes>
-MPMPBD_HD std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const& x,
-                                 Nodes const& nodes, int sweeps = 2) {
+MPMPBD_APART std::uint32_t exchange(Team_ const& team, ExchangeView<T, Form> const& x,
+                                    Nodes const& nodes, int sweeps = 2) {
   detail::Exchange<Team_, T, Form, Nodes> const e(team, x, nodes);
   std::uint32_t const faults = e.begin();
   e.move_alone();
