@@ -157,9 +157,10 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     fast_bytes = static_cast<std::int64_t>(most.fast);
     auto const bytes = Layout::aligned(most.scratch);
     if (bytes <= work_stride) return;
-    work_stride = bytes;
+    work_stride = 0;  // there is none until there is more
     work = cuda::Memory{};
     work = cuda::Memory(static_cast<std::size_t>(run.environments()) * bytes);
+    work_stride = bytes;
   }
   // The most that a stage asks for an environment: work memory, and how much of it had better be fast.
   struct WorkBytes {
