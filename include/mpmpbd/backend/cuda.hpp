@@ -16,14 +16,15 @@ namespace mpmpbd {
 // Where to run.
 struct Cuda {
   // resident: a thread block holds the grid of an environment in shared memory; a step is one launch. tiled: grids in the
-  // memory of the device, of any size; a step is 3 launches per substep. automatic: resident where it fits. A scene of
-  // threads alone has no grid: leave it automatic; a step is one launch.
+  // memory of the device, of up to 2^29 nodes; a step of n substeps is 5 + 3 n launches. automatic: resident where it fits.
+  // A scene of threads alone has no grid: leave it automatic; a step is one launch.
   enum class Execution { automatic, resident, tiled };
 
   int device = 0;
   void* stream = nullptr;  // a cudaStream_t of that device; null: its default stream
-  // Of a block, at most: 128 to 512, a multiple of 32. Tiled takes 256, threads alone take as many as they have beads, or 32
-  // where environments share multiprocessors. Bits depend neither on this nor on the form.
+  // Of a block, at most: 128 to 512, a multiple of 32. Tiled takes 256 of them at most, and for couplings 128 or 256 whatever
+  // is asked; threads alone take whole warps for their beads, or one where environments share multiprocessors. Bits depend
+  // neither on this nor on the form.
   int threads = 512;
   Execution execution = Execution::automatic;
 };
@@ -42,7 +43,7 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   using Scalar = T;
   using Store = typename Base::Store;
 
-  // Throws std::invalid_argument for options that are not allowed, and std::runtime_error, with nothing allocated,
+  // Throws std::invalid_argument for options that are not allowed, and std::runtime_error, which leaves nothing allocated,
   // where there is no such device or not enough memory.
   explicit Simulation(SimulationOptions how, Cuda where = {});
   ~Simulation();
@@ -87,20 +88,20 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   void reset(std::span<unsigned char const> mask);
 
   // Advances every environment by h [s], each with its own number of substeps; with a mask, those where it is not 0.
-  // Returns before the device has done so, unless environments in tiled form choose their substeps: how many these are
-  // is waited for. What the host has changed is sent before (send).
+  // Returns before the device has done so. Where environments in tiled form choose their substeps it waits until they have
+  // chosen, once per step. What the host has changed is sent before, which waits (send).
   void step(double h, std::span<unsigned char const> mask = {});
 
   // The same with masks in the memory of the device, of which nothing is copied. Null: all environments.
   void step_where(double h, unsigned char const* mask);
   void reset_where(unsigned char const* mask);
-  // Several steps in one launch, where a step is one and scenes have tissue (resident); else does nothing and returns false.
+  // Several steps in one launch, where a step is one and scenes have tissue (resident); else it moves nothing and returns false.
   // Between two, one thread calls between(env) for every environment, moving or not: a CUDA compiler is needed
   // (backend/cuda/simulation.cuh). h [s]; fewer steps than 1 throw std::invalid_argument.
   template <class Between>
   bool steps_at_once(double h, unsigned char const* mask, int steps, Between const& between);
-  // Sends the state where the host has changed it, and waits until it is there; allocates nothing unless the host changed how
-  // many slots are in use.
+  // Sends the state where the host has changed it, and waits until it is there; takes no memory of the device unless the host
+  // has put more slots to use: std::runtime_error where there is not enough.
   void send();
   // Waits until the device has done all that it was told.
   void wait() const;

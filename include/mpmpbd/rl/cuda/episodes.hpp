@@ -35,7 +35,8 @@ template <class Task, class T> class EpisodesOnDevice {
   float* actions() const { return actions_; }    // (num_envs, Action::size)
   unsigned char* mask() const { return mask_; }  // (num_envs)
 
-  // Return before the device is done; nothing is copied, no memory taken.
+  // Return before the device is done; nothing is copied, no memory of the device taken, but for what step_where and on_device
+  // of the run wait for and send.
   void begin(Sim& sim, EpisodeRules const& rules, Asked const& asked) const;
   // A decision of `steps` steps of h [s]; the actions lie in the memory of the device.
   void decide(Sim& sim, EpisodeRules const& rules, float const* actions, double h, int steps) const;

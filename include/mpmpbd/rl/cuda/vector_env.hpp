@@ -77,7 +77,8 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
     return episodes_.actions();
   }
   // One decision in every environment, whose actions lie in the memory of the device: (num_envs, action_size). Nothing is
-  // copied, no memory taken, and nothing waits.
+  // copied, no memory of the device taken, and nothing waits; but where environments in tiled form choose their substeps it
+  // waits once per step of the scene, and what the host has changed is sent before.
   void step_from(float const* actions) {
     episodes_.decide(sim_, this->rules(), actions, step_time(), config_.episode.decision_interval);
     device_is_newer_ = true;
