@@ -213,3 +213,14 @@ TEST_CASE("what a device cannot do is refused before anything is taken", "[cuda]
   emulated::free_bytes = std::size_t{1} << 34;
   CHECK(emulated::allocations == allocations);
 }
+
+TEST_CASE("a step whose work memory is refused can be taken once there is some",
+          "[cuda][refusal]") {
+  auto run = device_run(1), other = device_run(1);
+  emulated::free_bytes = 0;  // what a thread in tissue needs is asked for when it is sent
+  CHECK_THROWS_AS(run.step(0.004), std::runtime_error);
+  emulated::free_bytes = std::size_t{1} << 34;
+  run.step(0.004);
+  other.step(0.004);
+  CHECK(same_bits(read(run), 0, read(other), 0));
+}
