@@ -47,6 +47,7 @@ TEST_CASE("options that cannot be are refused by name and value", "[scene][refus
   CHECK(says(make([](auto& o) { o.cell_size = -1.0; }), "cell_size = -1"));
   CHECK(says(make([](auto& o) { o.nodes[1] = 3; }), "nodes per axis = 3"));
   CHECK(says(make([](auto& o) { o.substeps = -2; }), "substeps = -2"));
+  CHECK(says(make([](auto& o) { o.most_substeps = 0; }), "most_substeps = 0; give at least 1"));
   CHECK(says(make([](auto& o) { o.capacity.clear(); }), "no capacity given for domain 'particle'"));
 }
 

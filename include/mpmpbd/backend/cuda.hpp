@@ -83,7 +83,8 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
 
   // Makes the present state the one that reset() returns to; it lies on the device.
   void remember();
-  // Puts environments (all of them, or those with a non-zero mask) back to the remembered state, exactly.
+  // Puts environments (all of them, or those with a non-zero mask) back to the remembered state, exactly. A mask of the host's
+  // is waited for, here and by step.
   void reset() { reset_where(nullptr); }
   void reset(std::span<unsigned char const> mask);
 
@@ -109,6 +110,10 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   // A field in the memory of the device, (env, slot, component), valid as long as this run. From now on the device's state
   // is the newer one; what is written there after the host has looked at the state needs another call.
   template <class F> Array array() {
+    static_assert(
+        contains<typename Store::List, F>,
+        "mpmpbd Simulation: the scene does not store this field; a policy that names it in "
+        "Reads or Writes makes it state");
     send();
     device_is_newer_ = true;
     return field_array<F>(static_cast<element_t<F, T>*>(plane_of(field_index<F>())), environments(),

@@ -183,6 +183,9 @@ template <class Scene_, class T> class RunState {
     }
     detail::require(options_.substeps >= 0, "substeps = " + std::to_string(options_.substeps) +
                                                 "; give 0 (automatic) or a positive number");
+    detail::require(
+        options_.most_substeps > 0,
+        "most_substeps = " + std::to_string(options_.most_substeps) + "; give at least 1");
   }
 
   template <class Body> void check_position(Vec3<double> const& x) const {

@@ -201,6 +201,8 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   unsigned char const* upload(std::span<unsigned char const> of) const {
     if (of.empty()) return nullptr;
     copy(mask.as(), of.data(), of.size(), cudaMemcpyHostToDevice);
+    cuda::require(cudaStreamSynchronize(stream),
+                  "sending a mask");  // which may be gone, or another, soon
     return mask.as<unsigned char>();
   }
 };
