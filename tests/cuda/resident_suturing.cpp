@@ -214,6 +214,20 @@ TEST_CASE("what a device cannot do is refused before anything is taken", "[cuda]
   CHECK(emulated::allocations == allocations);
 }
 
+TEST_CASE("a mask of the host's is waited for, and one of the device's is not", "[cuda][masks]") {
+  auto run = device_run(2);
+  run.step(0.004);
+  std::vector<unsigned char> const mask{0, 1};  // an emulated device shares the host's memory
+  int const waits = emulated::waits;
+  run.step_where(0.004, mask.data());
+  run.reset_where(mask.data());
+  CHECK(emulated::waits == waits);
+  run.step(0.004, mask);
+  CHECK(emulated::waits == waits + 1);
+  run.reset(mask);
+  CHECK(emulated::waits == waits + 2);
+}
+
 TEST_CASE("a step whose work memory is refused can be taken once there is some",
           "[cuda][refusal]") {
   auto run = device_run(1), other = device_run(1);

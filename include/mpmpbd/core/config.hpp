@@ -16,8 +16,8 @@
 #else
 #define MPMPBD_INLINE inline
 #endif
-// A long function that a kernel calls once, and keeps by itself: where a row of functions is cut would else hang on how
-// long each of them happens to be.
+// A long function that a kernel calls and does not inline. Left to itself, nvcc decides by the lengths of all functions
+// around it, and a few instructions in one of them move the cut (decision 32).
 #if defined(__CUDACC__)
 #define MPMPBD_APART __host__ __device__ __noinline__
 #else

@@ -198,11 +198,11 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                 now.as<std::uint32_t>(), initial.as<std::uint32_t>(), planes.as<cuda::Plane>(),
                 plane_count, episodes, of, parts);
   }
+  // Waits: a mask of the host's may be another, or gone, once the caller has it back.
   unsigned char const* upload(std::span<unsigned char const> of) const {
     if (of.empty()) return nullptr;
     copy(mask.as(), of.data(), of.size(), cudaMemcpyHostToDevice);
-    cuda::require(cudaStreamSynchronize(stream),
-                  "sending a mask");  // which may be gone, or another, soon
+    cuda::require(cudaStreamSynchronize(stream), "sending a mask");
     return mask.as<unsigned char>();
   }
 };
