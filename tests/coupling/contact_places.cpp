@@ -31,6 +31,15 @@ Run falling(std::int64_t environments, double factor) {
   return run;
 }
 
+std::vector<std::array<float, 3>> beads_of(Run const& run) {
+  std::vector<std::array<float, 3>> all;
+  for (std::int64_t b = 0; b < run.state().table<Beads>().live(0); ++b) {
+    auto const x = run.state().get<bead::Position>(0, b);
+    all.push_back({x[0], x[1], x[2]});
+  }
+  return all;
+}
+
 }  // namespace
 
 TEST_CASE("a needle that outgrows its contact points loses its blunt end alone",
@@ -41,6 +50,35 @@ TEST_CASE("a needle that outgrows its contact points loses its blunt end alone",
   CHECK_FALSE(has(beside.status(0), Fault::not_finite));
   CHECK_FALSE(has(beside.status(1), Fault::overflow));
   CHECK(test::same_bits(beside.state(), 1, alone.state(), 0));
+}
+
+// Its constraints, and what ties it to the needle, still name its beads.
+TEST_CASE("a thread without contact points stays where it is, and the needle goes on",
+          "[coupling][capacity]") {
+  auto options = suturing::options(config());
+  for (Capacity& c : options.capacity)
+    if (c.domain == ContactPoints::name.view()) c.slots = 4;
+  Run run(options);
+  suturing::set_up(run, 0, config());
+  auto const thread_before = beads_of(run);
+  auto const needle_before = run.state().get<needle::Position>(0, 0);
+  run.state().set<needle::LinearVelocity>(0, 0, {{0.01f, 0.0f, 0.0f}});
+  for (int s = 0; s < steps; ++s) run.step(config().time.step);
+  CHECK(has(run.status(0), Fault::overflow));
+  CHECK_FALSE(has(run.status(0), Fault::not_finite));
+  CHECK(beads_of(run) == thread_before);
+  float const moved = run.state().get<needle::Position>(0, 0)[0] - needle_before[0];
+  CHECK(moved == Approx(0.01 * steps * config().time.step).epsilon(0.01));
+}
+
+TEST_CASE("a surface without triangles is met by nobody", "[coupling][surface]") {
+  Run run(suturing::options(config()));
+  suturing::set_up(run, 0, config());
+  suturing::uncouple(run, 0);
+  for (int s = 0; s < steps; ++s) run.step(config().time.step);
+  CHECK(run.status(0) == 0);
+  for (std::int64_t p = 0; p < run.state().table<ContactPoints>().live(0); ++p)
+    REQUIRE(norm(run.state().get<contact::Impulse>(0, p)) == 0.0f);
 }
 
 TEST_CASE("what has no place among contact points is left out from the end",
@@ -55,6 +93,7 @@ TEST_CASE("what has no place among contact points is left out from the end",
     CHECK(n.exchange().points() <= places);
     CHECK(n.overflow == (places < 11));
     CHECK(n.beads == (places < 5 ? 0 : 5));
+    if (n.beads == 0) CHECK(n.attached_points == 0);  // they are attached to the thread
     CHECK(n.needle_points == (places < 5 ? std::min<int>(4, static_cast<int>(places))
                                          : std::min<int>(4, static_cast<int>(places) - 5)));
   }

@@ -18,11 +18,11 @@ struct BodyCounts {
   bool overflow = false;  // something was left out
 
   // Leaves out what has no place among so many contact points: attachments first, then the needle from its blunt end on, then
-  // the thread, which is moved as a whole or not at all.
+  // the thread, which is moved as a whole or not at all, and with it what is attached to it.
   MPMPBD_HD void fit(std::int64_t places) {
     BodyCounts const all = *this;
     auto const left = [&] { return static_cast<int>(places - exchange().thread_points()); };
-    if (left() < 0) beads = 0;
+    if (left() < 0) beads = attached_points = 0;
     needle_points = min(needle_points, left());
     attached_points = min(attached_points, left() - needle_points);
     overflow = beads < all.beads || needle_points < all.needle_points ||
@@ -56,8 +56,8 @@ template <class T, class Form> struct EmbeddedArrays {
   T* rest_angle;
   T* impulse;
   ContactPoint<T>* points;
-  ThreadPlace<T>* aside;  // of every bead: before, after; with a surface
-  Following* following;   // by ChannelOrder; with a surface
+  ThreadPlace<T>* aside;  // of every bead: before, after; with a surface, as what follows
+  Following* following;   // by ChannelOrder
   RigidBody<T>* needle;
   ExchangeView<T, Form>* view;  // one for all lanes: a device would keep a copy for each, far away
   void* exchange;
@@ -79,9 +79,9 @@ template <class T, class Form> struct EmbeddedArrays {
     impulse = cutter.cut_fast<T>(n.beads);
     points = cutter.cut_fast<ContactPoint<T>>(n.exchange().points());
     needle = cutter.cut_fast<RigidBody<T>>(1);
-    aside = cutter.cut<ThreadPlace<T>>(n.triangles > 0 ? 2 * n.beads : 0);
-    following =
-        cutter.cut<Following>(n.triangles > 0 ? ChannelOrder{n.beads, n.needle_points}.count() : 0);
+    bool const surface = n.columns() > 0;
+    aside = cutter.cut<ThreadPlace<T>>(surface ? 2 * n.beads : 0);
+    following = cutter.cut<Following>(surface ? ChannelOrder{n.beads, n.needle_points}.count() : 0);
     exchange = cutter.cut_bytes(exchange_bytes<T, Form>(n.exchange()));
     exchange_fast = cutter.fast_left();
     return cutter;

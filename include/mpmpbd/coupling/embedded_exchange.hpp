@@ -99,13 +99,14 @@ template <class In> struct ExchangeImpulses {
     n.fit(places(env));
     return n;
   }
-  // The most that these numbers can become while the state lies on a device: a needle may grow there.
+  // The most that each of these numbers can become while the state lies on a device: a needle may grow there, and takes the
+  // places of attachments.
   template <class Env, class Ctx>
   MPMPBD_HD static BodyCounts most(Env const& env, Ctx const& context) {
     BodyCounts n = counts(env, context);
     if constexpr (In::has_needle) {
-      auto const others = n.exchange().thread_points() + n.attached_points;
-      n.needle_points = max(n.needle_points, static_cast<int>(places(env)) - others);
+      auto const left = static_cast<int>(places(env)) - n.exchange().thread_points();
+      n.needle_points = max(n.needle_points, left);
     }
     return n;
   }
@@ -226,6 +227,7 @@ template <class In> struct ExchangeImpulses {
                                     [[maybe_unused]] Ctx const& context, X& x, Arrays const& a) {
     using T = typename X::Scalar;
     if constexpr (In::has_rods) {
+      if (x.thread.beads == 0) return;  // none, or left out: constraints know those of the scene
       team.each(x.thread.beads, [&](int k) {
         T const inverse_mass = env.template get<bead::InverseMass>(k);
         a.position[k] = env.template get<bead::Position>(k);
@@ -358,6 +360,7 @@ template <class In> struct ExchangeImpulses {
       team.one([&] {
         if (x.needle_points == 0 || env.template live<Instances<Swage>>() == 0) return;
         auto const b = static_cast<int>(env.template get<typename instance<Swage>::Index>(0));
+        if (b >= x.thread.beads) return;  // the thread is left out
         x.thread.position[b] = end.position;
         if constexpr (!Needle::is_dynamic) {
           x.thread.velocity[b] = end.velocity;

@@ -151,7 +151,8 @@ MPMPBD_HD TipChange<T> advance_tip(Group_ const& group, Tip<T>& tip, Vec3<T> con
   } else {
     if (tip.mark.triangle < 0) tip.mark = on_path(true);
     if (clear) {
-      raise(EventKind::exit, tip.mark, position(sheet, tip.mark));
+      if (tip.mark.triangle >= 0)  // else the sheet is gone
+        raise(EventKind::exit, tip.mark, position(sheet, tip.mark));
       tip.state = TipState::outside;
       tip.mark = {-1, {}};
       tip.cap = T(0);
