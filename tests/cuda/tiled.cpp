@@ -143,6 +143,51 @@ TEMPLATE_LIST_TEST_CASE("a particle set to infinity between two steps loses its 
   CHECK(same_bits(read(in_blocks), 0, read(whole), 0));
 }
 
+// Numbers of a particle are finite, and what it brings to the grid in the third substep is not: no whole number stands for that.
+template <int what> struct Broken {
+  using Role = role::Effect;
+  static constexpr FixedString name = "broken";
+  static constexpr Slot slot = Slot::before_scatter;
+  using Reads = Fields<particle::Position>;
+  using Writes = Fields<particle::Acceleration>;
+  template <class T> struct Parameters { T from; };  // [m] along x
+  static constexpr std::array<ParameterInfo, 1> parameter_info{{bound::any("from", "m")}};
+  template <class Item, class K, class T>
+  MPMPBD_HD static void apply(Item& p, K const& k, Tick<T> const& tick) {
+    if (tick.substep != 2 || !(p[particle::Position{}][0] > k.from)) return;
+    p[particle::Acceleration{}][1] +=
+        what == 0 ? std::nanf("") : std::numeric_limits<T>::infinity();
+  }
+};
+struct BrokenByNan : Scene<Smooth, Broken<0>, Gravity, Floor> {};
+struct BrokenByInfinity : Scene<Smooth, Broken<1>, Gravity, Floor> {};
+template <class Run> void set_from(Run& run, std::int64_t env, double from) {
+  if constexpr (std::is_same_v<typename Run::Scene, BrokenByNan>)
+    run.template set<Broken<0>>(env, {from});
+  else
+    run.template set<Broken<1>>(env, {from});
+}
+using BrokenScenes = kinds<BrokenByNan, BrokenByInfinity>;
+TEMPLATE_LIST_TEST_CASE("a particle that brings no number loses its environment in that substep",
+                        "[cuda][tiled][status]", BrokenScenes) {
+  auto const moved = [](auto where) {
+    Simulation<TestType, Cuda, float> run(options<TestType>(2), where);
+    for (std::int64_t env : {0, 1}) {
+      add_tissue(run, env);
+      run.template set<StableNeoHookean>(env, lame(4e5, 0.4));
+      run.template set<Gravity>(env, {{0.0, 0.0, -9.81}});
+      set_from(run, env, env == 0 ? 0.5 : 1e9);
+    }
+    run.step(step);
+    return run;
+  };
+  auto const in_blocks = moved(resident), on_device = moved(tiled);
+  CHECK(has(in_blocks.status(0), Fault::not_finite));
+  CHECK(read(in_blocks).template get<environment::Step>(0) == 3);
+  CHECK(in_blocks.status(1) == 0);
+  CHECK(same_everywhere(in_blocks, on_device));
+}
+
 TEST_CASE("what a particle brings is rounded to the nearest count", "[cuda][tiled]") {
   using Numbers = mpmpbd::cuda::NumbersOf<float>;
   for (float const a :

@@ -100,7 +100,8 @@ template <class Body> struct Scatter {
   // a row along x from there, and `row.add(n, quad)` adds to its n-th node. `add_previous` adds the same without the impulse of
   // the forces, for transfers that ask. A kernel adds in fixed point: its grid says what one of its counts is (unit) and
   // rounds what the nodes get, one after the other (shares). With `driven`, particles have an Acceleration. Returns Fault::speed
-  // where a particle brings more than sums of counts hold (most_cells per substep), and it was slowed down to that.
+  // where a particle brings more than sums of counts hold (most_cells per substep), and it was slowed down to that; and
+  // Fault::not_finite where no count stands for what it brings, and it brought its mass alone.
   template <bool driven = false, class P, class Grid, class S>
   MPMPBD_INLINE static std::uint32_t run(P const& p, Grid const& grid, Lattice<S> const& lattice,
                                          S dt) {
@@ -168,7 +169,17 @@ template <class Body> struct Scatter {
   // scaled down so that no node of the stencil gets more than at the grid's most_cells per substep.
   template <class Grid, class S>
   MPMPBD_INLINE static std::uint32_t slow_down(detail::LaneMomentum<S>& q) {
-    S const most = Grid::most_cells * q.value[3], fastest = greatest_momentum(q);
+    S const most = Grid::most_cells * q.value[3];
+    Vec3<S> const greatest = greatest_momentum(q);
+    S const sum = greatest[0] + greatest[1] + greatest[2];  // NaN where one of them is
+    if (sum <= most) return 0;
+    S const fastest = max(max(greatest[0], greatest[1]), greatest[2]);
+    if (!is_finite(sum)) {
+      detail::LaneMomentum<S> rest{};
+      rest.value = quad<S>(S(0), S(0), S(0), q.value[3]);
+      q = rest;
+      return static_cast<std::uint32_t>(Fault::not_finite);
+    }
     if (!(fastest > most)) return 0;
     S const share = most / fastest;
     q.value = quad<S>(share * q.value[0], share * q.value[1], share * q.value[2], q.value[3]);
@@ -177,9 +188,10 @@ template <class Body> struct Scatter {
       for (auto& b : q.impulse) b = share * b;
     return static_cast<std::uint32_t>(Fault::speed);
   }
-  // A component of momentum over weight at any node of the stencil is no more: that of its middle, and what there
+  // Components of momentum over weight at any node of the stencil are no more: that of its middle, and what there
   // is from there to a corner.
-  template <class S> MPMPBD_INLINE static S greatest_momentum(detail::LaneMomentum<S> const& q) {
+  template <class S>
+  MPMPBD_INLINE static Vec3<S> greatest_momentum(detail::LaneMomentum<S> const& q) {
     constexpr S half = S(Shape::width - 1) / 2;
     auto const of = [&q](int i) MPMPBD_ALWAYS_INLINE {
       auto const sum = [i](auto const& c) { return c[0][i] + c[1][i] + c[2][i]; };
@@ -188,7 +200,7 @@ template <class Body> struct Scatter {
       S const greatest = abs(multiply_add(half, sum(q.gradient), q.value[i])) + reach;
       return Form::uses_moment ? greatest : greatest + size(q.impulse);
     };
-    return max(max(max(S(0), of(0)), of(1)), of(2));
+    return {{of(0), of(1), of(2)}};
   }
 
   // Adds one particle to its nodes.
