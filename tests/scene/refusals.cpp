@@ -49,6 +49,8 @@ TEST_CASE("options that cannot be are refused by name and value", "[scene][refus
   CHECK(says(make([](auto& o) { o.substeps = -2; }), "substeps = -2"));
   CHECK(says(make([](auto& o) { o.most_substeps = 0; }), "most_substeps = 0; give at least 1"));
   CHECK(says(make([](auto& o) { o.capacity.clear(); }), "no capacity given for domain 'particle'"));
+  CHECK(says(make([](auto& o) { o.capacity[0].slots = -1; }), "'particle' = -1; give at least 1"));
+  CHECK(says(make([](auto& o) { o.capacity[0].slots = 0; }), "'particle' = 0; give at least 1"));
 }
 
 TEST_CASE("an environment that does not exist is refused everywhere", "[scene][refusal][B13]") {

@@ -39,9 +39,11 @@ template <int Rows> struct Integers {
   static constexpr int components = Rows;
 };
 
-// What a field lives on. Every domain has a capacity per environment; users may add their own.
+// What a field lives on. Every domain has a capacity per environment; users may add their own. Of one whose first item is looked
+// at before it is known how many there are, `fewest_slots` is 1.
 struct Particles {
   static constexpr FixedString name = "particle";
+  static constexpr std::int64_t fewest_slots = 1;
 };
 struct Nodes {
   static constexpr FixedString name = "node";

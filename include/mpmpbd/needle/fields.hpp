@@ -8,6 +8,7 @@ namespace mpmpbd {
 
 struct Needles {
   static constexpr FixedString name = "needle";
+  static constexpr std::int64_t fewest_slots = 1;
 };
 
 namespace needle {

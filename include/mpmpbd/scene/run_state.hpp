@@ -165,11 +165,20 @@ template <class Scene_, class T> class RunState {
       return 1;
     } else {
       for (auto const& c : options_.capacity)
-        if (c.domain == D::name.view()) return c.slots;
+        if (c.domain == D::name.view()) return checked_slots<D>(c);
       throw std::invalid_argument(
           "mpmpbd Simulation: no capacity given for domain '" + std::string(D::name.view()) +
           "'; add {\"" + std::string(D::name.view()) + "\", slots} to SimulationOptions::capacity");
     }
+  }
+
+  template <class D> static std::int64_t checked_slots(Capacity const& c) {
+    std::int64_t fewest = 0;
+    if constexpr (requires { D::fewest_slots; }) fewest = D::fewest_slots;
+    detail::require(c.slots >= fewest, "capacity of domain '" + std::string(c.domain) +
+                                           "' = " + std::to_string(c.slots) + "; give at least " +
+                                           std::to_string(fewest));
+    return c.slots;
   }
 
   void check_options() const {

@@ -14,6 +14,7 @@ namespace mpmpbd {
 
 struct Channels {
   static constexpr FixedString name = "channel";
+  static constexpr std::int64_t fewest_slots = 1;
 };
 struct ChannelPoints {
   static constexpr FixedString name = "channel point";
