@@ -11,6 +11,12 @@ template <class... Ss> struct TogetherOf<TypeList<Ss...>> {
   using type = join_t<std::conditional_t<concerns_environment<Ss>, TypeList<Ss>, TypeList<>>...>;
 };
 
+// Whether a stage looks at neither nodes nor particles.
+template <class S>
+inline constexpr bool is_of_bodies =
+    on_t<union_t<typename S::Reads, typename S::Writes>, Nodes>::count == 0 &&
+    on_t<union_t<typename S::Reads, typename S::Writes>, Particles>::count == 0;
+
 // Stages before the first that goes item by item, that one, and those after it.
 template <class Stages> struct AtItemWise {
   using Before = TypeList<>;
@@ -29,6 +35,10 @@ struct AtItemWise<TypeList<S, Ss...>> {
   using Before = TypeList<>;
   using ItemWise = TypeList<S>;
   using After = TypeList<Ss...>;
+  static_assert(
+      (is_of_bodies<Ss> && ...),
+      "mpmpbd Simulation<Scene, Cuda>: a stage after one of kind::ItemWise reads or writes nodes "
+      "or particles, which are those of the next substep by then; put it before that stage");
 };
 template <class Scene>
 inline constexpr bool couples = TogetherOf<typename Scene::Substep::Stages>::type::size > 0;
