@@ -238,3 +238,24 @@ TEST_CASE("a step whose work memory is refused can be taken once there is some",
   other.step(0.004);
   CHECK(same_bits(read(run), 0, read(other), 0));
 }
+
+// A reset brings back beads that the host does not know of.
+TEST_CASE("the remembered state has work memory after some was refused", "[cuda][refusal][reset]") {
+  auto o = suturing::options(config());
+  for (Capacity& c : o.capacity)
+    if (c.domain == Beads::name.view() || c.domain == ContactPoints::name.view()) c.slots += 1000;
+  Simulation<Suturing, Cuda, float> run(o);
+  suturing::set_up(run, 0, config());
+  run.remember();
+  std::size_t const remembered = emulated::taken_bytes();
+  auto const beads = read(run).table<Beads>().live(0);
+  emulated::free_bytes = 0;
+  run.state().table<Beads>().set_live(0, beads + 1000);
+  CHECK_THROWS_AS(run.step(0.004), std::runtime_error);
+  emulated::free_bytes = std::size_t{1} << 34;
+  CHECK(emulated::taken_bytes() < remembered);
+  run.state().table<Beads>().set_live(0, 1);
+  run.reset();
+  CHECK(emulated::taken_bytes() == remembered);
+  CHECK(read(run).table<Beads>().live(0) == beads);
+}

@@ -342,6 +342,22 @@ TEST_CASE("a step in tiled form is a row of launches and takes no memory",
   CHECK(emulated::waits == waits);
 }
 
+TEST_CASE("a row of launches that is broken off leaves nothing after a reset",
+          "[cuda][tiled][refusal]") {
+  auto run = made<Simulation<Alone, Cuda, float>>(2, tiled);
+  auto whole = made<Simulation<Alone, Cuda, float>>(2, tiled);
+  for (auto* one : {&run, &whole}) one->remember();
+  for (int refused : {1, 5, 6, 8}) {  // sums are under way before the nodes of a substep
+    emulated::refused_launch = emulated::launches + refused;
+    CHECK_THROWS_WITH(run.step(step), Catch::Contains("launching a step"));
+  }
+  for (auto* one : {&run, &whole}) {
+    one->reset();
+    one->step(step);
+  }
+  CHECK(same_everywhere(run, whole));
+}
+
 TEST_CASE("the form of execution follows from the device, unless it is asked for",
           "[cuda][tiled][refusal]") {
   using Run = Simulation<Alone, Cuda, float>;

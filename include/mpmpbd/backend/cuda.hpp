@@ -90,7 +90,8 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
 
   // Advances every environment by h [s], each with its own number of substeps; with a mask, those where it is not 0.
   // Returns before the device has done so. Where environments in tiled form choose their substeps it waits until they have
-  // chosen, once per step. What the host has changed is sent before, which waits (send).
+  // chosen, once per step. What the host has changed is sent before, which waits (send). A launch that is refused throws
+  // std::runtime_error; in tiled form, of several, that may leave a step half done: reset, or restore a state.
   void step(double h, std::span<unsigned char const> mask = {});
 
   // The same with masks in the memory of the device, of which nothing is copied. Null: all environments.
@@ -108,7 +109,8 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   void wait() const;
 
   // A field in the memory of the device, (env, slot, component), valid as long as this run. From now on the device's state
-  // is the newer one; what is written there after the host has looked at the state needs another call.
+  // is the newer one. Once the host has looked at the state, call again before more is written there: state() of a run that is
+  // not const counts as changed, and is sent over it. After a graph with a step in it was replayed, call before the host looks.
   template <class F> Array array() {
     static_assert(
         contains<typename Store::List, F>,

@@ -63,7 +63,8 @@ inline std::size_t free_bytes = std::size_t{1} << 34;
 inline int multiprocessors = 2;
 inline int shared_bytes_per_block = 232448;
 inline int launches = 0, allocations = 0, copies = 0, waits = 0;  // counted
-inline int present_device = 0, waited_for = 0;                    // waited_for: the device of the last wait
+inline int refused_launch = 0;                                    // its number; 0: none
+inline int present_device = 0, waited_for = 0;  // waited_for: the device of the last wait
 
 // Bytes of shared memory that a kernel may have, where more than every device gives unasked has been granted.
 inline std::map<void*, std::size_t>& granted() {
@@ -73,6 +74,17 @@ inline std::map<void*, std::size_t>& granted() {
 inline std::size_t most_shared_bytes(void* kernel) {
   auto const asked = granted().find(kernel);
   return asked != granted().end() ? asked->second : std::size_t{48} << 10;
+}
+
+// Memory of the device, by address: how many bytes.
+inline std::map<void*, std::size_t>& taken() {
+  static std::map<void*, std::size_t> bytes;
+  return bytes;
+}
+inline std::size_t taken_bytes() {
+  std::size_t sum = 0;
+  for (auto const& [memory, bytes] : taken()) sum += bytes;
+  return sum;
 }
 
 // One block of threads.
@@ -350,16 +362,15 @@ inline int atomicCAS(int* to, int expected, int value) {
 // The run-time, as far as the library uses it.
 enum cudaError_t { cudaSuccess, cudaErrorMemoryAllocation, cudaErrorInvalidValue };
 enum cudaMemcpyKind { cudaMemcpyHostToDevice, cudaMemcpyDeviceToHost, cudaMemcpyDeviceToDevice };
-enum cudaDeviceAttr {
-  cudaDevAttrMaxSharedMemoryPerBlockOptin,
-  cudaDevAttrMultiProcessorCount
-};
+enum cudaDeviceAttr { cudaDevAttrMaxSharedMemoryPerBlockOptin, cudaDevAttrMultiProcessorCount };
 enum cudaFuncAttribute { cudaFuncAttributeMaxDynamicSharedMemorySize };
 using cudaStream_t = struct EmulatedStream*;
 
 inline char const* cudaGetErrorString(cudaError_t) { return "an emulated error"; }
 inline cudaError_t cudaGetLastError() { return cudaSuccess; }
-inline cudaError_t cudaGetDeviceCount(int* count) { return *count = emulated::devices, cudaSuccess; }
+inline cudaError_t cudaGetDeviceCount(int* count) {
+  return *count = emulated::devices, cudaSuccess;
+}
 inline cudaError_t cudaGetDevice(int* device) {
   return *device = emulated::present_device, cudaSuccess;
 }
@@ -382,10 +393,14 @@ inline cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* all) {
 inline cudaError_t cudaMalloc(void** memory, std::size_t bytes) {
   ++emulated::allocations;
   *memory = std::malloc(bytes);
+  emulated::taken()[*memory] = bytes;
   std::memset(*memory, 0xcd, bytes);
   return cudaSuccess;
 }
-inline cudaError_t cudaFree(void* memory) { return std::free(memory), cudaSuccess; }
+inline cudaError_t cudaFree(void* memory) {
+  emulated::taken().erase(memory);
+  return std::free(memory), cudaSuccess;
+}
 inline cudaError_t cudaMemcpyAsync(void* to, void const* from, std::size_t bytes, cudaMemcpyKind,
                                    cudaStream_t) {
   return ++emulated::copies, std::memcpy(to, from, bytes), cudaSuccess;
@@ -404,7 +419,7 @@ cudaError_t cudaLaunchKernel(void (*kernel)(Args...), dim3 grid, dim3 block, voi
                              std::size_t shared_bytes, cudaStream_t) {
   if (shared_bytes > emulated::most_shared_bytes(reinterpret_cast<void*>(kernel)))
     return cudaErrorInvalidValue;
-  ++emulated::launches;
+  if (++emulated::launches == emulated::refused_launch) return cudaErrorInvalidValue;
   gridDim = grid;
   blockDim = block;
   for (unsigned b = 0; b < grid.x; ++b) {

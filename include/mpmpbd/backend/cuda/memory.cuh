@@ -22,8 +22,8 @@ inline void require(cudaError_t e, std::string const& what) {
 class OnDevice {
  public:
   explicit OnDevice(int device) : now_(device) {
-    cudaGetDevice(&before_);
-    if (before_ != now_) cudaSetDevice(now_);
+    require(cudaGetDevice(&before_), "asking for the present device");
+    if (before_ != now_) require(cudaSetDevice(now_), "going to device " + std::to_string(now_));
   }
   ~OnDevice() {
     if (before_ != now_) cudaSetDevice(before_);

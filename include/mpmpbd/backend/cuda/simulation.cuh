@@ -32,8 +32,9 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   Execution execution;
   cuda::Memory now, initial, planes, work, mask;
   int plane_count = 0;
-  std::size_t work_stride = 0;
-  std::int64_t fast_bytes = 0;  // that help a coupling, in shared memory
+  std::size_t work_stride = 0,
+              remembered_stride = 0;  // of an environment; for the state that reset() returns to
+  std::int64_t fast_bytes = 0;        // that help a coupling, in shared memory
 
   Device(Cuda where_, Base const& run)
       : where(checked(where_, run)),
@@ -149,13 +150,14 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
     cuda::copy(stream, to, from, n, way);
   }
 
-  // Work memory for the present numbers of beads, points and the like: it grows, and never holds history.
+  // Work memory for the present numbers of beads, points and the like, and for those of the remembered state, which a reset
+  // brings back unseen by the host: it grows, and never holds history.
   template <class Contexts> void reserve(Base& run, Contexts const& context_of) {
     WorkBytes most;
     for (std::int64_t e = 0; e < run.environments(); ++e)
       most.include(run.state(), e, context_of(e));
     fast_bytes = static_cast<std::int64_t>(most.fast);
-    auto const bytes = Layout::aligned(most.scratch);
+    auto const bytes = std::max(Layout::aligned(most.scratch), remembered_stride);
     if (bytes <= work_stride) return;
     work_stride = 0;  // there is none until there is more
     work = cuda::Memory{};
@@ -243,6 +245,7 @@ template <class Scene_, class T> void Simulation<Scene_, Cuda, T>::remember() {
   cuda::OnDevice const here(device_->where.device);
   device_->copy(device_->initial.as(), device_->now.as(), device_->now.bytes(),
                 cudaMemcpyDeviceToDevice);
+  device_->remembered_stride = device_->work_stride;
 }
 template <class Scene_, class T>
 void Simulation<Scene_, Cuda, T>::reset(std::span<unsigned char const> mask) {
@@ -270,8 +273,8 @@ void Simulation<Scene_, Cuda, T>::step_where(double h, unsigned char const* mask
   detail::check_step(h);
   send();
   cuda::OnDevice const here(device_->where.device);
+  device_is_newer_ = true;  // of several launches some may be done when one is refused
   device_->execution.run(device_->launch_of(*this, h, mask), device_->stream);
-  device_is_newer_ = true;
 }
 template <class Scene_, class T>
 template <class Between>

@@ -273,7 +273,7 @@ template <class Scene, class T> class TiledSteps {
   // With blocks of so many threads on a device with so many multiprocessors, where a block may have `limit` bytes of shared
   // memory.
   void run(Launch<Scene, T> step, int threads, std::int64_t processors, std::int64_t limit,
-           cudaStream_t stream) const;
+           cudaStream_t stream);
 
  private:
   static constexpr std::size_t counter_bytes = 256;
@@ -284,6 +284,8 @@ template <class Scene, class T> class TiledSteps {
   void fill(int value, std::size_t bytes, cudaStream_t stream) const {
     require(cudaMemsetAsync(memory_.as(), value, bytes, stream), "clearing the grid");
   }
+  void launch_all(Launch<Scene, T> const& step, int threads, std::int64_t processors,
+                  cudaStream_t stream) const;
   // Waits for the device: the one time in a step, and only where environments choose their substeps.
   int most_substeps(cudaStream_t stream) const {
     int most = 0;
@@ -295,6 +297,7 @@ template <class Scene, class T> class TiledSteps {
 
   std::int64_t environments_ = 0;
   Memory memory_;
+  bool broken_off_ = false;  // the last row of launches, which leaves sums that are not zero
 };
 
 // Not inline, so that `extern template` keeps the kernels to one source.
@@ -303,9 +306,16 @@ template <class Scene, class T> void TiledSteps<Scene, T>::reserve(std::int64_t 
 }
 template <class Scene, class T>
 void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, std::int64_t processors,
-                               std::int64_t limit, cudaStream_t stream) const {
-  threads = std::min(threads, most_threads);
+                               std::int64_t limit, cudaStream_t stream) {
   step.fast_bytes = Environment::fast_bytes(step.fast_bytes, environments_, processors, limit);
+  if (broken_off_) fill(0, memory_.bytes(), stream);
+  broken_off_ = true;
+  launch_all(step, std::min(threads, most_threads), processors, stream);
+  broken_off_ = false;
+}
+template <class Scene, class T>
+void TiledSteps<Scene, T>::launch_all(Launch<Scene, T> const& step, int threads,
+                                      std::int64_t processors, cudaStream_t stream) const {
   TiledLaunch<Scene, T> const launch{step, memory_.as<Record>(counter_bytes),
                                      memory_.as(grids_at(environments_)), memory_.as<int>()};
   auto const environment = [&](int s) {
