@@ -57,6 +57,21 @@ TEST_CASE("threads alone move on a device in double as they do on the host", "[c
   CHECK(same_bits(read(host), 0, read(device), 0));
 }
 
+// 1e-4 s is shorter in float than in double: its limit, were it one, would be exceeded.
+TEST_CASE("nothing bounds the substeps of threads alone", "[cuda][alone][time_step]") {
+  auto options = thread_options<catalog::Suture>(1);
+  options.substeps = 0;
+  Simulation<catalog::Suture, Serial, float> host(options);
+  Simulation<catalog::Suture, Cuda, float> device(options);
+  add_arc(host, 0), add_arc(device, 0);
+  for (double const h :
+       {1e-4, 1e-5, 2e-3}) {  // a short step does not shorten the substeps of the next one
+    host.step(h), device.step(h);
+    CHECK(read(host).get<environment::Substeps>(0) == 1);
+  }
+  CHECK(same_bits(read(host), 0, read(device), 0));
+}
+
 TEST_CASE("a thread is the same alone and in company", "[cuda][alone]") {
   using Run = Simulation<catalog::Suture, Cuda, float>;
   auto many = with_arcs<Run>(5);

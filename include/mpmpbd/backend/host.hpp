@@ -87,12 +87,12 @@ template <class Scene, class T, class Lanes> class HostEnvironment {
     return held ? static_cast<std::uint32_t>(Fault::escape) : 0;
   }
 
-  // The longest recommended substep in the present state, at most h [s], and the faults of that state.
-  StepLimit<T> limit(double h, std::uint32_t& faults) {
+  // The longest recommended substep in the present state, and the faults of that state. Nothing bounds that of a thread alone.
+  StepLimit<T> limit([[maybe_unused]] std::uint32_t& faults) {
     if constexpr (Scene::has_body)
       return step_limit<typename Scene::Body>(bounds(faults), context_.lattice.dx);
     else
-      return {T(h), StepBound::none};
+      return {};
   }
 
  private:

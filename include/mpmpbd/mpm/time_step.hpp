@@ -105,8 +105,8 @@ template <class Body, class T> MPMPBD_HD T elastic_limit(StepBounds<T> const& b,
 
 // A longest step [s] and what sets it.
 template <class T> struct StepLimit {
-  T dt;
-  StepBound bound;
+  T dt = T(1e30);
+  StepBound bound = StepBound::none;
 
   MPMPBD_HD void lower(T other, StepBound why) {
     if (other < dt) dt = other, bound = why;
@@ -115,7 +115,7 @@ template <class T> struct StepLimit {
 
 // The recommended longest step: elastic waves, half a cell of motion, half a unit of strain.
 template <class Body, class T> MPMPBD_HD StepLimit<T> step_limit(StepBounds<T> const& b, T dx) {
-  StepLimit<T> limit{T(1e30), StepBound::none};
+  StepLimit<T> limit;
   limit.lower(elastic_limit<Body>(b, dx), StepBound::elastic);
   if (b.speed2 > T(0)) limit.lower(T(0.5) * dx / sqrt(b.speed2), StepBound::speed);
   if (b.rate2 > T(0)) limit.lower(T(0.5) / sqrt(b.rate2), StepBound::strain);

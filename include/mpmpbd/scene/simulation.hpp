@@ -64,7 +64,7 @@ class Simulation : public RunState<Scene_, T> {
     HostEnvironment<Scene, T, Lanes> run(state_, env, context_of(env), work, lanes);
     control.meet(run.hold_particles() | run.lost_bodies());
     std::uint32_t faults = 0;
-    auto const limit = run.limit(h, faults);
+    auto const limit = run.limit(faults);
     control.meet(faults);
     auto const clock = control.begin(limit, h, options_.substep_choice());
     int done = 0;
@@ -126,7 +126,7 @@ double Simulation<Scene_, Backend, T>::suggest_dt(std::int64_t env) requires(Sce
     workspaces_.resize(workspaces_.empty() ? 1 : workspaces_.size());
     HostEnvironment<Scene, T, Serial> run(state_, env, context_of(env), workspaces_[0], Serial{});
     std::uint32_t faults = 0;
-    return double(run.limit(double(infinity<T>), faults).dt);
+    return double(run.limit(faults).dt);
   } else {
     return static_cast<void>(env), 0.0;
   }

@@ -46,7 +46,7 @@ template <class Scene, class T> class EnvironmentAlone {
   }
 
  private:
-  // Nothing but what it is told bounds the substep of a thread.
+  // Nothing bounds the substep of a thread.
   template <class Control> __device__ void begin(Control const& control) const {
     team_.one([&] { record_.met = 0; });
     team_.sync();
@@ -54,8 +54,7 @@ template <class Scene, class T> class EnvironmentAlone {
     team_.sync();
     team_.one([&] {
       control.meet(record_.met);
-      record_.clock =
-          control.begin(StepLimit<T>{T(launch_.h), StepBound::none}, launch_.h, launch_.choice);
+      record_.clock = control.begin(StepLimit<T>{}, launch_.h, launch_.choice);
       record_.met = 0;
       record_.done = 0;
       record_.moves = !control.frozen();
@@ -89,7 +88,7 @@ __global__ void __launch_bounds__(most_threads)
 }
 
 // The host's side: the launch. It keeps nothing. A direct solver leaves most to one thread: where multiprocessors are shared, a
-// warp for each environment lets most of them go on side by side; else there are as many threads as beads.
+// warp for each environment lets most of them go on side by side; else there are as many whole warps as beads have a place in.
 template <class Scene, class T>
 void run_alone(Launch<Scene, T> const& launch, std::int64_t environments, int threads,
                std::int64_t processors, cudaStream_t stream) {
