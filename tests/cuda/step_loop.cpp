@@ -215,6 +215,28 @@ TEST_CASE("a decision on a device copies nothing, takes no memory and waits for 
   CHECK(emulated::copies > copies);
 }
 
+TEST_CASE("a decision or a reset whose launch is refused is not taken for one",
+          "[cuda][rl][errors]") {
+  OnDevice envs({}, {.num_envs = 2, .seed = 5}, small),
+      other({}, {.num_envs = 2, .seed = 5}, small);
+  auto const act = actions(envs, 1);
+  envs.step(act);
+  for (int launch : {2, 3}) {  // the steps, what ends them
+    emulated::refused_launch = emulated::launches + launch;
+    CHECK_THROWS_WITH(envs.step(act), Catch::Contains("launching"));
+    CHECK(envs.outcome().reward[0] ==
+          envs.arrays().reward[0]);  // an emulated device shares the host's memory
+  }
+  emulated::refused_launch = emulated::launches + 1;
+  CHECK_THROWS_WITH(envs.reset(7), Catch::Contains("launching"));
+  for (auto* loop : {&envs, &other}) {
+    loop->start(0, 2);
+    loop->start(1, 2);
+    loop->step(act);
+  }
+  for (int env : {0, 1}) CHECK(same_bits(seen(envs, env), seen(other, env)));
+}
+
 TEST_CASE("what a step loop shows and pays lies on the device", "[cuda][rl][arrays]") {
   OnDevice envs({}, {.num_envs = 2}, small);
   auto const middle = envs.array<Middle>();

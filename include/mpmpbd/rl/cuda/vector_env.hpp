@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 
 #include <mpmpbd/rl/cuda/episodes.hpp>
 #include <mpmpbd/rl/vector_env.hpp>
@@ -54,7 +55,8 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
 
   using Base::num_envs;
   using Base::step_time;
-  // What is changed in its state, also by the host, the next step begins with.
+  // What is changed in its state, also by the host, the next step begins with. Ask for it again for each change: what is asked
+  // for below is then fetched anew.
   Sim& simulation() {
     device_is_newer_ = true;
     return sim_;
@@ -78,10 +80,11 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
   }
   // One decision in every environment, whose actions lie in the memory of the device: (num_envs, action_size). Nothing is
   // copied, no memory of the device taken, and nothing waits; but where environments in tiled form choose their substeps it
-  // waits once per step of the scene, and what the host has changed is sent before.
+  // waits once per step of the scene, and what the host has changed is sent before. A launch that is refused throws
+  // std::runtime_error and may leave a decision half done: reset.
   void step_from(float const* actions) {
-    episodes_.decide(sim_, this->rules(), actions, step_time(), config_.episode.decision_interval);
     device_is_newer_ = true;
+    episodes_.decide(sim_, this->rules(), actions, step_time(), config_.episode.decision_interval);
   }
   // New episodes where a mask in the memory of the device is not 0; null: everywhere.
   void reset_where(unsigned char const* mask) { ask({.mask = mask}); }
@@ -103,8 +106,13 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
 
   void reset() { ask({}); }
   void reset(std::int64_t seed) {
-    options_.seed = seed;
-    ask({.episode = 1});
+    auto const before = std::exchange(options_.seed, seed);
+    try {
+      ask({.episode = 1});
+    } catch (...) {
+      options_.seed = before;
+      throw;
+    }
   }
   void reset(std::span<unsigned char const> mask) {
     this->check_mask(mask.size());
@@ -137,8 +145,8 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
       TypeList<environment::Episode, episode::Decisions, episode::Ended, episode::Stream>;
 
   void ask(Asked const& asked) {
-    episodes_.begin(sim_, this->rules(), asked);
     device_is_newer_ = true;
+    episodes_.begin(sim_, this->rules(), asked);
   }
   template <class Group> auto const& view() const {
     return episodes_.groups().template of<Group>();
