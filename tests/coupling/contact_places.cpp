@@ -31,11 +31,11 @@ Run falling(std::int64_t environments, double factor) {
   return run;
 }
 
-std::vector<std::array<float, 3>> beads_of(Run const& run) {
-  std::vector<std::array<float, 3>> all;
+std::vector<Vec3<float>> beads_of(Run const& run) {  // positions and velocities
+  std::vector<Vec3<float>> all;
   for (std::int64_t b = 0; b < run.state().table<Beads>().live(0); ++b) {
-    auto const x = run.state().get<bead::Position>(0, b);
-    all.push_back({x[0], x[1], x[2]});
+    all.push_back(run.state().get<bead::Position>(0, b));
+    all.push_back(run.state().get<bead::Velocity>(0, b));
   }
   return all;
 }

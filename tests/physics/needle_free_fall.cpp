@@ -42,8 +42,12 @@ RodAssembly<Thread> thread() {
   return rod;
 }
 
+std::int64_t contact_points_needed() {
+  return beads + contact_points(ArcPoints<double>::over(FreeArcNeedle::arc(wire), dx));
+}
 // Far above a few points of tissue, which it does not touch.
-template <class S> Simulation<S, test::BackEnd, double> falling() {
+template <class S>
+Simulation<S, test::BackEnd, double> falling(std::int64_t places = contact_points_needed()) {
   SimulationOptions o;
   o.cell_size = dx;
   o.nodes[0] = o.nodes[1] = 20;
@@ -52,8 +56,7 @@ template <class S> Simulation<S, test::BackEnd, double> falling() {
   o.capacity = thread().capacity();
   o.capacity.push_back({"particle", 8});
   o.capacity.push_back({"needle", 1});
-  o.capacity.push_back({"contact point", beads + contact_points(ArcPoints<double>::over(
-                                                     FreeArcNeedle::arc(wire), dx))});
+  o.capacity.push_back({"contact point", places});
   Simulation<S, test::BackEnd, double> sim(o);
   sim.template set<NeoHookean>(lame(2e4, 0.4));
   sim.template set<Gravity>({{g[0], g[1], g[2]}});
@@ -70,13 +73,9 @@ template <class S> Simulation<S, test::BackEnd, double> falling() {
   return sim;
 }
 
-}  // namespace
-
-TEMPLATE_TEST_CASE("a free needle falls and turns on as before", "[needle][gravity]",
-                   Coupling<Embedded>, Coupling<GridProjection>) {
-  auto sim = falling<FallingNeedle<TestType>>();
+// Of a needle on which nothing but its weight acts.
+template <class Sim> void check_fall(Sim& sim) {
   auto const body = FreeArcNeedle::body(wire);
-  for (int s = 0; s < steps; ++s) sim.step(h);
   auto const view = sim.state().template view<Needles>();
   auto const now = needle::pose(view, 0);
   auto const turning = needle::twist(view, 0);
@@ -90,7 +89,27 @@ TEMPLATE_TEST_CASE("a free needle falls and turns on as before", "[needle][gravi
   // Gravity has no moment about the centre of mass.
   Vec3<double> const before = body.times_inertia(pose, twist.angular);
   CHECK(norm(body.times_inertia(now, turning.angular) - before) < 1e-11 * norm(before));
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("a free needle falls and turns on as before", "[needle][gravity]",
+                   Coupling<Embedded>, Coupling<GridProjection>) {
+  auto sim = falling<FallingNeedle<TestType>>();
+  for (int s = 0; s < steps; ++s) sim.step(h);
+  check_fall(sim);
   CHECK(sim.status(0) == 0);
+}
+
+// Its thread has no contact points, rests, and is not tied to it then.
+TEST_CASE("a free needle whose thread is left out falls as one without", "[needle][capacity]") {
+  auto sim = falling<Suture>(beads - 1);
+  auto const before = std::as_const(sim).state().get<bead::Position>(0, 0);
+  for (int s = 0; s < steps; ++s) sim.step(h);
+  check_fall(sim);
+  CHECK(sim.status(0) == static_cast<std::uint32_t>(Fault::overflow));
+  CHECK(std::as_const(sim).state().get<bead::Position>(0, 0) == before);
+  CHECK(std::as_const(sim).state().get<bead::Velocity>(0, 0) == Vec3<double>{});
 }
 
 TEST_CASE("needle and swaged thread gain the momentum of their weight", "[needle][gravity]") {

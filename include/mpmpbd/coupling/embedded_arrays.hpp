@@ -22,7 +22,8 @@ struct BodyCounts {
   MPMPBD_HD void fit(std::int64_t places) {
     BodyCounts const all = *this;
     auto const left = [&] { return static_cast<int>(places - exchange().thread_points()); };
-    if (left() < 0) beads = attached_points = 0;
+    if (left() < 0) beads = 0;
+    if (beads == 0) attached_points = 0;
     needle_points = min(needle_points, left());
     attached_points = min(attached_points, left() - needle_points);
     overflow = beads < all.beads || needle_points < all.needle_points ||

@@ -140,8 +140,9 @@ template <class In> struct ExchangeImpulses {
   MPMPBD_HD static std::uint32_t run(Team_ const& team, Env const& env, Ctx const& context,
                                      Grid const& grid) {
     using T = typename Ctx::Scalar;
-    std::uint32_t faults = move_by_others(team, env, context);
     BodyCounts const n = counts(env, context);
+    bool const has_thread = n.beads > 0;  // one that has no place rests as it is
+    std::uint32_t faults = move_by_others(team, env, context, has_thread);
     if (n.overflow) faults |= static_cast<std::uint32_t>(Fault::overflow);
     EmbeddedArrays<T, Form> a;
     FastMemory fast;
@@ -162,7 +163,8 @@ template <class In> struct ExchangeImpulses {
     Pressure::template gather<Shape>(team, env, x, static_cast<char*>(grid.scratch) + used);
     faults |= exchange(team, x, grid);
     store(team, env, context, x);
-    if constexpr (In::has_rods) detail::apply_all_to_beads(After{}, team, env, context);
+    if constexpr (In::has_rods)
+      if (has_thread) detail::apply_all_to_beads(After{}, team, env, context);
     return faults;
   }
 
@@ -170,10 +172,12 @@ template <class In> struct ExchangeImpulses {
   // What acts on thread and needle beside tissue, each other and the thread's stiffness: as velocity changes.
   template <class Team_, class Env, class Ctx>
   MPMPBD_HD static std::uint32_t move_by_others(Team_ const& team, Env const& env,
-                                                Ctx const& context) {
+                                                Ctx const& context,
+                                                [[maybe_unused]] bool has_thread) {
     std::uint32_t faults = 0;
     detail::apply_all_to_needle(OnNeedle{}, team, env, context);
     if constexpr (In::has_rods) {
+      if (!has_thread) return faults;
       using Takes = typename Laws::Strategy::Takes;
       detail::apply_all_to_beads(Forces{}, team, env, context);
       if constexpr (without_t<typename Rods::Set::List, Takes>::size > 0) {

@@ -140,13 +140,15 @@ template <class In> struct AdvanceNeedle {
     return faults;
   }
 
-  // Where marker m is now (0: entry, 1: exit); infinitely far where the scene has set none.
+  // Where marker m is now (0: entry, 1: exit); infinitely far where the scene has set none, or the sheet has no such triangle.
   template <class Env, class S>
   MPMPBD_HD static auto marker_at(Env const& env, S const& sheet, int m) {
     using T = typename Env::Scalar;
     auto const& d = env.template domain<Markers>();
-    if (m >= d.count) return vec(infinity<T>, infinity<T>, infinity<T>);
-    return position(sheet, marker::load(d.view, d.first + m));
+    Vec3<T> const nowhere = vec(infinity<T>, infinity<T>, infinity<T>);
+    if (m >= d.count) return nowhere;
+    SurfaceMark<T> const mark = marker::load(d.view, d.first + m);
+    return mark.triangle >= 0 && mark.triangle < sheet.triangles ? position(sheet, mark) : nowhere;
   }
 };
 

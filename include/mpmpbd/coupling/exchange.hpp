@@ -197,7 +197,7 @@ template <class Team_, class T, class Form, class Nodes> struct Exchange {
       RigidBody<T> const& b = *x.needle;
       s.failed = s.revised = s.resumed = 0;
       s.end.present = dynamic();
-      s.end.swaged = dynamic() && b.swaged;
+      s.end.swaged = dynamic() && b.swaged && x.thread.beads > 0;
       s.end.arm = x.thread.beads > 0 ? x.thread.position[x.thread.beads - 1] - b.centre : Vec3<T>{};
       Vec3<T> const p = b.mass * b.velocity, L = b.inertia * b.spin;
       s.momentum = {{p[0], p[1], p[2], L[0], L[1], L[2]}};

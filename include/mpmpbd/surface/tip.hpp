@@ -94,6 +94,12 @@ MPMPBD_HD TipChange<T> advance_tip(Group_ const& group, Tip<T>& tip, Vec3<T> con
   tip.position = to;
   change.force = impulse / dt;
   if (norm(to - from) > dx) change.faults |= static_cast<std::uint32_t>(Fault::speed);
+  if (sheet.triangles == 0) {  // nothing to be inside of, and nothing is passed
+    tip.state = TipState::outside;
+    tip.mark = {-1, {}};
+    tip.cap = T(0);
+    return change;
+  }
 
   auto const surface = nearest_on_sheet(group, sheet, columns, to, T(TipLimits::reach) * dx);
   T const limit = T(TipLimits::penetration) * dx;
@@ -151,8 +157,7 @@ MPMPBD_HD TipChange<T> advance_tip(Group_ const& group, Tip<T>& tip, Vec3<T> con
   } else {
     if (tip.mark.triangle < 0) tip.mark = on_path(true);
     if (clear) {
-      if (tip.mark.triangle >= 0)  // else the sheet is gone
-        raise(EventKind::exit, tip.mark, position(sheet, tip.mark));
+      raise(EventKind::exit, tip.mark, position(sheet, tip.mark));
       tip.state = TipState::outside;
       tip.mark = {-1, {}};
       tip.cap = T(0);
