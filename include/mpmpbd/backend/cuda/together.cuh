@@ -11,11 +11,10 @@ template <class... Ss> struct TogetherOf<TypeList<Ss...>> {
   using type = join_t<std::conditional_t<concerns_environment<Ss>, TypeList<Ss>, TypeList<>>...>;
 };
 
-// Whether a stage looks at neither nodes nor particles.
-template <class S>
-inline constexpr bool is_of_bodies =
-    on_t<union_t<typename S::Reads, typename S::Writes>, Nodes>::count == 0 &&
-    on_t<union_t<typename S::Reads, typename S::Writes>, Particles>::count == 0;
+// Whether a stage names no field of a domain.
+template <class S, class Domain>
+inline constexpr bool leaves =
+    on_t<union_t<typename S::Reads, typename S::Writes>, Domain>::count == 0;
 
 // Stages before the first that goes item by item, that one, and those after it.
 template <class Stages> struct AtItemWise {
@@ -36,7 +35,11 @@ struct AtItemWise<TypeList<S, Ss...>> {
   using ItemWise = TypeList<S>;
   using After = TypeList<Ss...>;
   static_assert(
-      (is_of_bodies<Ss> && ...),
+      leaves<S, Particles> && on_t<typename S::Writes, Nodes>::count == 0,
+      "mpmpbd Simulation<Scene, Cuda>: a stage of kind::ItemWise names fields of particles or writes "
+      "nodes, while particles gather from them; leave that to a stage of kind::Together before it");
+  static_assert(
+      ((leaves<Ss, Nodes> && leaves<Ss, Particles>)&&...),
       "mpmpbd Simulation<Scene, Cuda>: a stage after one of kind::ItemWise reads or writes nodes "
       "or particles, which are those of the next substep by then; put it before that stage");
 };
