@@ -103,14 +103,15 @@ template <class Scene_, class T> class Simulation<Scene_, Cuda, T> : private Run
   template <class Between>
   bool steps_at_once(double h, unsigned char const* mask, int steps, Between const& between);
   // Sends the state where the host has changed it, and waits until it is there; takes no memory of the device unless the host
-  // has put more slots to use: std::runtime_error where there is not enough.
+  // has put more slots to use: std::runtime_error where there is not enough. Then put fewer to use, or restore a state: until
+  // that fits, neither step nor reset does anything.
   void send();
   // Waits until the device has done all that it was told.
   void wait() const;
 
   // A field in the memory of the device, (env, slot, component), valid as long as this run. From now on the device's state
   // is the newer one. Once the host has looked at the state, call again before more is written there: state() of a run that is
-  // not const counts as changed, and is sent over it. After a graph with a step in it was replayed, call before the host looks.
+  // not const counts as changed, and is sent over it. Call before each replay of a graph with a step in it, too.
   template <class F> Array array() {
     static_assert(
         contains<typename Store::List, F>,

@@ -23,8 +23,8 @@ template <> struct NumbersOf<float> {
   static constexpr float scale = 4194304.0f;  // 2^22
   static constexpr float most_cells = 1.0f;
   // For |a| up to `scale`, the most that a particle brings to a node: 3 x 2^22 more, and the whole numbers are the last bits
-  // of a float, beside others that differences do not have; no conversion is waited for. NaN would be some number: none comes
-  // here (Scatter).
+  // of a float, beside others that differences do not have; no conversion is waited for. NaN would be some number: no momentum
+  // that is NaN comes here (Scatter).
   __device__ __forceinline__ static Integer bits_of_nearest(float a) {
     return __float_as_int(a + 3.0f * scale);
   }
@@ -59,8 +59,8 @@ __device__ __forceinline__ void add_counts(typename NumbersOf<T>::Integer* sum,
 // Units of the sums: mass in heaviest particles, momentum in that mass times a cell per substep.
 template <class T> struct FixedPoint {
   static constexpr T scale = NumbersOf<T>::scale;
-  // At a node; 511 fit. A sum of masses begins anew at 1,024 of them, so 1,024 to 1,524 at once pass unseen: at a start, or where
-  // a node with less than 500 had more than twice as much after one substep.
+  // At a node; 511 fit. In float a sum of masses begins anew at 1,024 of them, so up to 500 more than a multiple of that pass
+  // unseen: at a start, or where a node with less than 500 has more than twice as many after one substep.
   static constexpr T most_masses = 500;
   // Of momentum over mass that a particle brings, per substep: with no more than most_masses at a node the sums hold it.
   static constexpr T most_cells = NumbersOf<T>::most_cells;

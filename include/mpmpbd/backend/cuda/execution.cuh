@@ -57,7 +57,7 @@ template <class Scene, class T> class ExecutionOnGrid {
     else
       tiled_ = Tiled(environments_, nodes_, stream);
   }
-  void run(Launch<Scene, T> const& launch, cudaStream_t stream) {
+  void run(Launch<Scene, T> const& launch, cudaStream_t stream) const {
     if constexpr (may_be_resident)
       if (is_resident_) return resident_.run(launch, threads_, processors_, shared_limit_, stream);
     tiled_.run(launch, threads_, processors_, shared_limit_, stream);

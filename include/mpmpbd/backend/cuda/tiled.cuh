@@ -273,7 +273,7 @@ template <class Scene, class T> class TiledSteps {
   // With blocks of so many threads on a device with so many multiprocessors, where a block may have `limit` bytes of shared
   // memory.
   void run(Launch<Scene, T> step, int threads, std::int64_t processors, std::int64_t limit,
-           cudaStream_t stream);
+           cudaStream_t stream) const;
 
  private:
   static constexpr std::size_t counter_bytes = 256;
@@ -297,7 +297,6 @@ template <class Scene, class T> class TiledSteps {
 
   std::int64_t environments_ = 0;
   Memory memory_;
-  bool broken_off_ = false;  // the last row of launches, which leaves sums that are not zero
 };
 
 // Not inline, so that `extern template` keeps the kernels to one source.
@@ -306,12 +305,14 @@ template <class Scene, class T> void TiledSteps<Scene, T>::reserve(std::int64_t 
 }
 template <class Scene, class T>
 void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, std::int64_t processors,
-                               std::int64_t limit, cudaStream_t stream) {
+                               std::int64_t limit, cudaStream_t stream) const {
   step.fast_bytes = Environment::fast_bytes(step.fast_bytes, environments_, processors, limit);
-  if (broken_off_) fill(0, memory_.bytes(), stream);
-  broken_off_ = true;
-  launch_all(step, std::min(threads, most_threads), processors, stream);
-  broken_off_ = false;
+  try {
+    launch_all(step, std::min(threads, most_threads), processors, stream);
+  } catch (...) {  // sums were under way
+    cudaMemsetAsync(memory_.as(), 0, memory_.bytes(), stream);
+    throw;
+  }
 }
 template <class Scene, class T>
 void TiledSteps<Scene, T>::launch_all(Launch<Scene, T> const& step, int threads,
