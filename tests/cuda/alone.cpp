@@ -70,6 +70,14 @@ TEST_CASE("nothing bounds the substeps of threads alone", "[cuda][alone][time_st
     CHECK(read(host).get<environment::Substeps>(0) == 1);
   }
   CHECK(same_bits(read(host), 0, read(device), 0));
+  // A state of before this was so.
+  for (auto* state : {&host.state(), &device.state()})
+    state->set<environment::HeldLimits>(0, {{1e-5f, 1e-5f}});
+  host.step(2e-3), device.step(2e-3);
+  CHECK(read(host).get<environment::Substeps>(0) == 1);
+  CHECK(same_bits(read(host), 0, read(device), 0));
+  options.strict = true;  // there is no limit to be kept
+  CHECK_NOTHROW(Simulation<catalog::Suture, Cuda, float>(options));
 }
 
 TEST_CASE("a thread is the same alone and in company", "[cuda][alone]") {

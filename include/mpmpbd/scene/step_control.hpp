@@ -98,6 +98,7 @@ template <class Env> struct StepControl {
   // The limit that chosen substeps keep [s]. How fast something moves does not swing with the strain, so it
   // holds nothing.
   MPMPBD_HD T held(StepLimit<T> const& now) const {
+    if (now.bound == StepBound::none) return now.dt;
     auto const lengths = env.template get<environment::HeldLimits>(0);
     HeldLimit<T> held{lengths[0], lengths[1], env.template get<environment::CalmSteps>(0)};
     if (now.bound != StepBound::speed) held.meet(now.dt);

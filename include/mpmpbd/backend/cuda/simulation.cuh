@@ -52,7 +52,7 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
                                   "; give a multiple of 32 from " +
                                   std::to_string(cuda::fewest_threads) + " to " +
                                   std::to_string(cuda::most_threads));
-    if (run.options().strict)
+    if (Scene::has_body && run.options().strict)
       throw std::invalid_argument(
           "mpmpbd Cuda: strict = true; a device finds the stable limit inside the step and sets "
           "Fault::time_step. Give strict = false, or substeps = 0, which keeps to the limit");
