@@ -348,6 +348,10 @@ TEST_CASE("capacities that are too small set the overflow bit and lose nothing e
   REQUIRE(set.track_points(0) == 4);
   REQUIRE(set.open(0, mark, x) == static_cast<std::uint32_t>(Fault::overflow));
   REQUIRE(set.mouths(0) == 1);
+  // A channel without room for a track is near nothing.
+  Scene<double> bare(1, 0);
+  REQUIRE(bare.set().open(0, mark, x) == static_cast<std::uint32_t>(Fault::overflow));
+  REQUIRE_FALSE(bare.set().near_track(0, x, 0.002));
   // Of the list of events.
   for (int i = 0; i < 8; ++i)
     REQUIRE(s.log().append({EventKind::entry, 0, mark, x, i, 0.1 * i, 0.15, 0.0}) == 0);

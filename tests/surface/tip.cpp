@@ -272,6 +272,24 @@ TEMPLATE_TEST_CASE("a tip that sinks in without puncture, or jumps through the b
   }
 }
 
+TEMPLATE_TEST_CASE("a tip that the surface does not resist goes in where it meets it",
+                   "[surface][tip]", float, double) {
+  using T = TestType;
+  auto held = held_block<T>();
+  Tip<T> tip = Tip<T>::at(above(T(0.0001)));
+  auto const to = [&](T height) {
+    return advance_tip(tip, above(height), T(0), dt<T>, held.sheet(), held.columns(), cell<T>,
+                       TipForces<T>{T(0), T(0)});
+  };
+  CHECK(to(T(0.00005)).kind == EventKind::none);
+  CHECK(to(T(-0.00005)).kind == EventKind::none);
+  CHECK(tip.state == TipState::touch);
+  auto const change = to(T(-0.0001));
+  CHECK(change.kind == EventKind::entry);
+  CHECK(change.faults == 0);
+  CHECK(tip.state == TipState::inside);
+}
+
 TEST_CASE("a NaN stops at the tip", "[surface][tip]") {
   Trial<double> t(above(0.001));
   auto const before = t.tip;

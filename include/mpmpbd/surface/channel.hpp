@@ -161,7 +161,7 @@ template <class View, class PointView> struct ChannelSet {
   template <class Group_>
   MPMPBD_HD T distance_to_track(Group_ const& group, std::int64_t c, Vec3<T> const& x) const {
     auto const n = static_cast<int>(track_points(c));
-    if (n == 0) return T(0);
+    if (n == 0) return infinity<T>;
     std::int64_t const first = point_item(c, 0);
     auto at = [&](int i) { return points.template get<channel::Position>(first + i); };
     T distance = norm(x - at(0));
