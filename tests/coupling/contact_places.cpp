@@ -97,4 +97,8 @@ TEST_CASE("what has no place among contact points is left out from the end",
     CHECK(n.needle_points == (places < 5 ? std::min<int>(4, static_cast<int>(places))
                                          : std::min<int>(4, static_cast<int>(places) - 5)));
   }
+  BodyCounts lone{.beads = 1, .attached_points = 1};  // attachments are places on a segment
+  lone.fit(10);
+  CHECK(lone.attached_points == 0);
+  CHECK(lone.overflow);
 }

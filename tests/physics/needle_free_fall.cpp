@@ -112,6 +112,18 @@ TEST_CASE("a free needle whose thread is left out falls as one without", "[needl
   CHECK(std::as_const(sim).state().get<bead::Velocity>(0, 0) == Vec3<double>{});
 }
 
+// The scene names Swage, and this environment has none.
+TEST_CASE("a free needle falls alone while no thread is tied to it", "[needle][gravity]") {
+  auto sim = falling<Suture>();
+  sim.state().table<Instances<Swage>>().set_live(0, 0);
+  for (int s = 0; s < steps; ++s) sim.step(h);
+  check_fall(sim);
+  CHECK(sim.status(0) == 0);
+  double const seconds = steps * h;
+  for (int k = 0; k < beads; ++k)
+    CHECK(norm(sim.state().get<bead::Velocity>(0, k) - seconds * g) < 1e-9);
+}
+
 TEST_CASE("needle and swaged thread gain the momentum of their weight", "[needle][gravity]") {
   auto sim = falling<Suture>();
   auto const body = FreeArcNeedle::body(wire);

@@ -13,17 +13,19 @@ struct BodyCounts {
   int needle_points = 0;  // the tip's axial point included
   int attached_points = 0;
   std::int64_t triangles = 0;
+  int vertices = 0;
   int column_count[2] = {0, 0};
   int lattice_nodes = 0;
   bool overflow = false;  // something was left out
 
   // Leaves out what has no place among so many contact points: attachments first, then the needle from its blunt end on, then
-  // the thread, which is moved as a whole or not at all, and with it what is attached to it.
+  // the thread, which is moved as a whole or not at all, and with it what is attached to it. A needle without points is absent,
+  // and no thread is tied to it.
   MPMPBD_HD void fit(std::int64_t places) {
     BodyCounts const all = *this;
     auto const left = [&] { return static_cast<int>(places - exchange().thread_points()); };
     if (left() < 0) beads = 0;
-    if (beads == 0) attached_points = 0;
+    if (beads < 2) attached_points = 0;  // they are places on a segment
     needle_points = min(needle_points, left());
     attached_points = min(attached_points, left() - needle_points);
     overflow = beads < all.beads || needle_points < all.needle_points ||
@@ -48,7 +50,11 @@ struct IntegerRow {
 };
 
 template <class T, class Form> struct EmbeddedArrays {
-  IntegerRow column_first, column_item;  // first, so that they stay in place between substeps
+  // First, so that they stay in place between substeps: the triangles over the columns, where vertices were then, and how many
+  // have moved since.
+  IntegerRow column_first, column_item;
+  Vec<T, 2>* listed_at;
+  int* has_moved;
   Vec3<T>* position;
   Vec3<T>* velocity;
   T* mass;
@@ -70,6 +76,8 @@ template <class T, class Form> struct EmbeddedArrays {
     detail::Cutter cutter{static_cast<char*>(memory), fast};
     column_first = {cutter.cut<int>(static_cast<int>(n.columns() + 1))};
     column_item = {cutter.cut<int>(static_cast<int>(n.column_items()))};
+    listed_at = cutter.cut<Vec<T, 2>>(n.vertices);
+    has_moved = cutter.cut<int>(1);
     view = cutter.cut_fast<ExchangeView<T, Form>>(1);
     position = cutter.cut_fast<Vec3<T>>(n.beads);
     velocity = cutter.cut_fast<Vec3<T>>(n.beads);

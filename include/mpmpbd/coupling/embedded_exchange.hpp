@@ -25,7 +25,7 @@ template <class C> inline constexpr bool has_constraint<Absent, C> = false;
 
 template <class F, class Env> MPMPBD_HD FieldRow<Env, F> row(Env const& env) { return {env}; }
 
-// The sheet of an environment, and its columns (built once per step; margin: a quarter of a cell).
+// The sheet of an environment, and its columns (margin: a quarter of a cell).
 template <class Env> MPMPBD_HD auto sheet_of_environment(Env const& env) {
   return make_sheet(row<sheet::Position>(env), env.template live<SheetVertices>(),
                     row<sheet::Corners>(env), env.template live<SheetTriangles>());
@@ -35,6 +35,31 @@ MPMPBD_HD auto sheet_columns(BodyCounts const& n, Lattice<T> const& lattice, Int
                              IntegerRow item) {
   return make_columns(Vec<T, 2>{}, lattice.dx, n.column_count[0], n.column_count[1],
                       T(0.25) * lattice.dx, first, item, n.column_items());
+}
+// Lists the triangles over the columns.
+template <class Team_, class S, class C, class Arrays>
+MPMPBD_HD std::uint32_t list_triangles(Team_ const& team, S const& sheet, C const& columns,
+                                       Arrays const& a) {
+  team.one([&] { *a.has_moved = 0; });
+  team.each(static_cast<int>(sheet.vertices), [&](int i) {
+    auto const x = sheet.vertex(i);
+    a.listed_at[i] = {{x[0], x[1]}};
+  });
+  return columns.build(team, sheet);
+}
+// And anew where a vertex has moved by more than the lists allow for since.
+template <class Team_, class S, class C, class Arrays>
+MPMPBD_HD std::uint32_t renew_lists(Team_ const& team, S const& sheet, C const& columns,
+                                    Arrays const& a) {
+  team.each(static_cast<int>(sheet.vertices), [&](int i) {
+    auto const x = sheet.vertex(i);
+    auto const y = a.listed_at[i];
+    if (max(abs(x[0] - y[0]), abs(x[1] - y[1])) > columns.margin) team.add(*a.has_moved, 1);
+  });
+  team.sync();
+  if (*a.has_moved == 0) return 0;
+  team.sync();
+  return list_triangles(team, sheet, columns, a);
 }
 template <class Env> MPMPBD_HD auto channels_of_environment(Env const& env) {
   auto const& c = env.template domain<Channels>();
@@ -93,6 +118,7 @@ template <class In> struct ExchangeImpulses {
       n.attached_points = static_cast<int>(env.template live<Instances<Attachment>>());
     if constexpr (In::has_surface) {
       n.triangles = env.template live<SheetTriangles>();
+      n.vertices = static_cast<int>(env.template live<SheetVertices>());
       n.column_count[0] = context.lattice.nodes[0];
       n.column_count[1] = context.lattice.nodes[1];
     }
@@ -109,6 +135,13 @@ template <class In> struct ExchangeImpulses {
       n.needle_points = max(n.needle_points, left);
     }
     return n;
+  }
+  // Whether the thread of this environment is tied to the needle: a scene may name `Swage` and have none yet.
+  template <class Env> MPMPBD_HD static bool is_swaged([[maybe_unused]] Env const& env) {
+    if constexpr (swaged)
+      return env.template live<Instances<Swage>>() > 0;
+    else
+      return false;
   }
   template <class Env> MPMPBD_HD static std::int64_t places(Env const& env) {
     return env.template domain<ContactPoints>().view.capacity;
@@ -320,7 +353,8 @@ template <class In> struct ExchangeImpulses {
         auto const pose = needle::pose(d.view, d.first);
         auto const twist = needle::twist(d.view, d.first);
         if constexpr (Needle::is_dynamic)
-          load_dynamic(body, Needle::body(context.template of<Needle>()), pose, twist);
+          load_dynamic(body, Needle::body(context.template of<Needle>()), pose, twist,
+                       is_swaged(env));
         else
           load_kinematic(body, pose, twist, x.dt);
         if constexpr (swaged)
@@ -341,9 +375,9 @@ template <class In> struct ExchangeImpulses {
   }
   template <class T>
   MPMPBD_HD static void load_dynamic(RigidBody<T>& body, NeedleBody<T> const& of,
-                                     Pose<T> const& pose, Twist<T> const& twist) {
+                                     Pose<T> const& pose, Twist<T> const& twist, bool is_swaged) {
     body.motion = Motion::dynamic;
-    body.swaged = swaged;
+    body.swaged = is_swaged;
     body.centre = of.centre_of_mass(pose);
     body.velocity = of.velocity_of_centre(pose, twist);
     body.spin = twist.angular;
@@ -362,7 +396,7 @@ template <class In> struct ExchangeImpulses {
                                    [[maybe_unused]] SwagePoint<T> const& end) {
     if constexpr (In::has_needle && swaged)
       team.one([&] {
-        if (x.needle_points == 0 || env.template live<Instances<Swage>>() == 0) return;
+        if (x.needle_points == 0 || !is_swaged(env)) return;
         auto const b = static_cast<int>(env.template get<typename instance<Swage>::Index>(0));
         if (b >= x.thread.beads) return;  // the thread is left out
         x.thread.position[b] = end.position;
@@ -427,7 +461,7 @@ template <class In> struct ExchangeImpulses {
       auto const sheet = detail::sheet_of_environment(env);
       auto const columns = detail::sheet_columns(n, context.lattice, a.column_first, a.column_item);
       auto const channels = detail::channels_of_environment(env);
-      if (context.tick.substep == 0) faults |= columns.build(team, sheet);
+      if (context.tick.substep == 0) faults |= detail::list_triangles(team, sheet, columns, a);
       auto const member = detail::row<channel::Member<ContactPoints>>(env);
       team.each(2 * x.thread_points(), [&](int i) {
         int const k = i / 2, side = i % 2 == 0 ? side_before : side_after;
@@ -436,7 +470,7 @@ template <class In> struct ExchangeImpulses {
       team.sync();
       auto const& d = env.template domain<Needles>();
       update_members(
-          team, x.points, x.thread_points(), x.needle_points, swaged,
+          team, x.points, x.thread_points(), x.needle_points, is_swaged(env),
           [&](int k, int side) { return detail::thread_place(a.aside, k, side); }, member,
           Tip<T>::load(d.view, d.first), channels, 0, sheet, context.lattice.dx, a.following);
       team.sync();
@@ -520,7 +554,7 @@ template <class In> struct ExchangeImpulses {
     env.template set<needle::TipForce>(0, at_tip + share * (dot(tip.axis, tip.impulse) / x.dt));
     T const size = norm(w.force);
     env.template set<needle::PeakForce>(0, first ? size : max(size, peak));
-    T const now = swaged && x.thread.beads > 1 ? tension(x, x.thread.beads - 2) : T(0);
+    T const now = is_swaged(env) && x.thread.beads > 1 ? tension(x, x.thread.beads - 2) : T(0);
     env.template set<needle::ThreadPull>(0, pull + share * now);
   }
 };

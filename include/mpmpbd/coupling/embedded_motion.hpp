@@ -111,14 +111,14 @@ template <class In> struct AdvanceNeedle {
   MPMPBD_HD static std::uint32_t advance_surface(Team_ const& team, Env const& env,
                                                  Ctx const& context, Grid const& grid) {
     using T = typename Ctx::Scalar;
-    std::uint32_t faults = 0;
     auto const n = Exchange::counts(env, context);
+    EmbeddedArrays<T, typename Exchange::Form> a;
+    a.cut(grid.scratch, n);
+    auto const sheet = detail::sheet_of_environment(env);
+    auto const columns = detail::sheet_columns(n, context.lattice, a.column_first, a.column_item);
+    std::uint32_t faults = detail::renew_lists(team, sheet, columns, a);
     if (n.needle_points == 0) return faults;
     team.groups(1, [&](auto const& group, int) {
-      EmbeddedArrays<T, typename Exchange::Form> a;
-      a.cut(grid.scratch, n);
-      auto const sheet = detail::sheet_of_environment(env);
-      auto const columns = detail::sheet_columns(n, context.lattice, a.column_first, a.column_item);
       auto const& d = env.template domain<Needles>();
       auto const k = context.template of<Needle>();
       auto const pose = needle::pose(d.view, d.first);
