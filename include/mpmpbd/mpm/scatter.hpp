@@ -101,7 +101,7 @@ template <class Body> struct Scatter {
   // the forces, for transfers that ask. A kernel adds in fixed point: its grid says what one of its counts is (unit) and
   // rounds what the nodes get, one after the other (shares). With `driven`, particles have an Acceleration. Returns Fault::speed
   // where a particle brings more than sums of counts hold (most_cells per substep), and it was slowed down to that; and
-  // Fault::not_finite where no count stands for what it brings, and it brought its mass alone.
+  // Fault::not_finite where no count stands for what it would bring, and it brought nothing more.
   template <bool driven = false, class P, class Grid, class S>
   MPMPBD_INLINE static std::uint32_t run(P const& p, Grid const& grid, Lattice<S> const& lattice,
                                          S dt) {
@@ -115,11 +115,13 @@ template <class Body> struct Scatter {
     if constexpr (!Form::uses_moment)
       impulse_to_each(T(-dt * lattice.inverse_dx) * amount.volume, p[particle::Stress{}], carried);
     if constexpr (counts<Grid>) faults |= slow_down<Grid>(carried[0]);
+    if (has(faults, Fault::not_finite)) return faults;
     for (int l = 0; l < lanes<T>; ++l) add<false>(grid, s.of_lane(l), w.of_lane(l), carried[l]);
     if constexpr (Transfer::needs_previous_grid) {
       detail::LaneMomentum<S> before[lanes<T>]{};
       to_each(momentum<false, false>(p, amount, s, lattice, dt), before);
       if constexpr (counts<Grid>) faults |= slow_down<Grid>(before[0]);
+      if (has(faults, Fault::not_finite)) return faults;
       for (int l = 0; l < lanes<T>; ++l) add<true>(grid, s.of_lane(l), w.of_lane(l), before[l]);
     }
     return faults;
@@ -173,13 +175,8 @@ template <class Body> struct Scatter {
     Vec3<S> const greatest = greatest_momentum(q);
     S const sum = greatest[0] + greatest[1] + greatest[2];  // NaN where one of them is
     if (sum <= most) return 0;
+    if (!is_finite(sum)) return static_cast<std::uint32_t>(Fault::not_finite);
     S const fastest = max(max(greatest[0], greatest[1]), greatest[2]);
-    if (!is_finite(sum)) {
-      detail::LaneMomentum<S> rest{};
-      rest.value = quad<S>(S(0), S(0), S(0), q.value[3]);
-      q = rest;
-      return static_cast<std::uint32_t>(Fault::not_finite);
-    }
     if (!(fastest > most)) return 0;
     S const share = most / fastest;
     q.value = quad<S>(share * q.value[0], share * q.value[1], share * q.value[2], q.value[3]);

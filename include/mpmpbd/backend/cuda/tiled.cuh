@@ -310,7 +310,8 @@ void TiledSteps<Scene, T>::run(Launch<Scene, T> step, int threads, std::int64_t 
   try {
     launch_all(step, std::min(threads, most_threads), processors, stream);
   } catch (...) {  // sums were under way
-    cudaMemsetAsync(memory_.as(), 0, memory_.bytes(), stream);
+    if (cudaMemsetAsync(memory_.as(), 0, memory_.bytes(), stream) != cudaSuccess)
+      cudaGetLastError();
     throw;
   }
 }
