@@ -157,3 +157,22 @@ TEST_CASE("substeps rise at once and fall after a while", "[scene][time_step]") 
   run.step(h);
   CHECK(substeps(1) == 4);
 }
+
+// A particle beside the cube binds at half of what the cube may take, and the cube was stiffer for one step.
+TEST_CASE("what is held is let go of while speed is the bound", "[scene][time_step]") {
+  auto run = two_cubes(0);
+  double const h = run.suggest_dt(0);
+  run.set<NeoHookean>(0, lame(1e6, 0.3));
+  run.step(h);
+  CHECK(run.state().get<environment::Substeps>(0) == 10);
+  run.set<NeoHookean>(0, lame(1e4, 0.3));
+  double const speed = 0.5 * dx * time_step_safety / (0.5 * h);
+  for (int s = 0; s < 12 * HeldLimit<double>::patience; ++s) {
+    move(run, 0, vec(speed, 0.0, 0.0), {});
+    run.step(1e-3 * h);
+  }
+  move(run, 0, vec(speed, 0.0, 0.0), {});
+  run.step(h);
+  CHECK(limited_by(run, 0) == StepBound::speed);
+  CHECK(run.state().get<environment::Substeps>(0) == 2);
+}

@@ -96,12 +96,13 @@ template <class Env> struct StepControl {
 
  private:
   // The limit that chosen substeps keep [s]. How fast something moves does not swing with the strain, so it
-  // holds nothing.
+  // holds nothing; a held limit that is shorter is let go by it as by another.
   MPMPBD_HD T held(StepLimit<T> const& now) const {
     if (now.bound == StepBound::none) return now.dt;
     auto const lengths = env.template get<environment::HeldLimits>(0);
     HeldLimit<T> held{lengths[0], lengths[1], env.template get<environment::CalmSteps>(0)};
-    if (now.bound != StepBound::speed) held.meet(now.dt);
+    bool const is_longer = held.limit > T(0) && now.dt > held.limit;
+    if (now.bound != StepBound::speed || is_longer) held.meet(now.dt);
     env.template set<environment::HeldLimits>(0, {{held.limit, held.longer}});
     env.template set<environment::CalmSteps>(0, held.calm);
     return held.limit > T(0) ? min(held.limit, now.dt) : now.dt;
