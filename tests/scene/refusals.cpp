@@ -60,6 +60,9 @@ TEST_CASE("an environment that does not exist is refused everywhere", "[scene][r
              "environment 2 given; this run has 0 to 1"));
   CHECK(says(refusal([&] { sim.add_particles(-1, one, 1000.0, 1e-9); }), "environment -1"));
   CHECK(says(refusal([&] { sim.reset(5); }), "environment 5"));
+  CHECK(says(refusal([&] { static_cast<void>(sim.status(2)); }), "environment 2"));
+  CHECK(says(refusal([&] { static_cast<void>(sim.context(-1)); }), "environment -1"));
+  CHECK(says(refusal([&] { static_cast<void>(sim.suggest_dt(2)); }), "environment 2"));
   CHECK(says(refusal([&] { sim.clone(0, 2); }), "environment 2"));
   std::array<unsigned char, 3> const mask{1, 1, 1};
   CHECK(says(refusal([&] { sim.reset(mask); }), "a mask of 3 entries given; this run has 2"));
@@ -76,6 +79,19 @@ TEST_CASE("particles outside the domain or beyond the capacity are refused whole
   points.pop_back();
   CHECK(says(refusal([&] { sim.add_particles(0, points, -5.0, 1e-9); }), "density = -5"));
   CHECK(sim.state().table<Particles>().live(0) == 0);
+}
+
+TEST_CASE("particles begin at rest, whatever their slots held before", "[scene]") {
+  Simulation<Block> sim(two_blocks());
+  std::array<Vec3<double>, 1> const one{{{{0.02, 0.02, 0.02}}}};
+  sim.add_particles(1, one, 1000.0, 1e-9);
+  using T = decltype(sim)::Scalar;
+  for (std::int64_t env : {0, 1})
+    sim.state().set<particle::Velocity>(env, 0, vec(T(1), T(2), T(3)));
+  sim.state().table<Particles>().set_live(1, 0);
+  sim.add_particles(1, one, 1000.0, 1e-9);
+  CHECK(norm(sim.state().get<particle::Velocity>(1, 0)) == 0);
+  CHECK(norm(sim.state().get<particle::Velocity>(0, 0)) > 3);
 }
 
 TEST_CASE("sizes that cannot be are refused by name and value", "[scene][refusal][B13]") {

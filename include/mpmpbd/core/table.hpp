@@ -3,6 +3,7 @@
 // Logical shape (env, slot, component); index of an item = env * capacity + slot, 64 bits.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -63,7 +64,7 @@ template <class View_, class F> struct Row {
   }
 };
 
-// The owner of a table on the host. `live[env]` slots are in use; the rest is zero.
+// The owner of a table on the host. `live[env]` slots are in use.
 template <class T, class Domain_, class List> class Table;
 template <class T, class Domain_, class... Fs> class Table<T, Domain_, Fields<Fs...>> {
  public:
@@ -90,15 +91,33 @@ template <class T, class Domain_, class... Fs> class Table<T, Domain_, Fields<Fs
   std::int64_t environments() const { return environments_; }
   std::int64_t capacity() const { return capacity_; }
   std::int64_t live(std::int64_t env) const { return live_[static_cast<std::size_t>(env)]; }
-  // Sets how many slots of an environment are in use; more than the capacity is refused.
+  // Sets how many slots of an environment are in use; more than the capacity is refused, and an environment that is not there.
   void set_live(std::int64_t env, std::int64_t count) {
+    check_live(env, count);
+    live_[static_cast<std::size_t>(env)] = count;
+  }
+  // Throws std::out_of_range where set_live would.
+  void check_live(std::int64_t env, std::int64_t count) const {
+    if (env < 0 || env >= environments_)
+      throw std::out_of_range("mpmpbd: environment " + std::to_string(env) + " of domain '" +
+                              std::string(Domain::name.view()) + "' asked for; there are 0 to " +
+                              std::to_string(environments_ - 1));
     if (count < 0 || count > capacity_)
       throw std::out_of_range(
           "mpmpbd: " + std::to_string(count) + " items of domain '" +
           std::string(Domain::name.view()) + "' asked for, capacity is " +
           std::to_string(capacity_) +
           " per environment; give a larger capacity when the simulation is made");
-    live_[static_cast<std::size_t>(env)] = count;
+  }
+  // Sets all fields of some slots of an environment to zero.
+  void clear(std::int64_t env, std::int64_t first, std::int64_t count) {
+    auto const clear_field = [&]<class F>(F) {
+      auto& all = planes<F>();
+      for (int c = 0; c < F::components; ++c)
+        std::fill_n(all.begin() + (c * environments_ + env) * capacity_ + first, count,
+                    element_t<F, T>{});
+    };
+    (clear_field(Fs{}), ...);
   }
 
   View<T, List> view() {

@@ -95,6 +95,7 @@ template <class Scene_, class T> class RunState {
       auto& table = state_.template table<Particles>();
       std::int64_t slot = table.live(env);
       table.set_live(env, slot + static_cast<std::int64_t>(positions.size()));
+      table.clear(env, slot, static_cast<std::int64_t>(positions.size()));
       for (auto const& x : positions) {
         table.template set<particle::Position>(env, slot, cast<T>(x));
         table.template set<particle::Mass>(env, slot, T(density * volume));
@@ -126,11 +127,15 @@ template <class Scene_, class T> class RunState {
   }
 
   std::uint32_t status(std::int64_t env) const {
+    check_environment(env);
     return static_cast<std::uint32_t>(state_.template get<environment::Status>(env));
   }
 
   // What the policies of an environment are told: its lattice and its parameters.
-  Context<T, typename Scene_::Policies> context(std::int64_t env) const { return context_of(env); }
+  Context<T, typename Scene_::Policies> context(std::int64_t env) const {
+    check_environment(env);
+    return context_of(env);
+  }
 
  protected:
   using Ctx = Context<T, typename Scene::Policies>;

@@ -68,8 +68,13 @@ class Simulation : public RunState<Scene_, T> {
     control.meet(faults);
     auto const clock = control.begin(limit, h, options_.substep_choice());
     int done = 0;
-    for (; done < clock.substeps && !control.frozen(); ++done)
-      control.meet(run.substep(clock.tick(done)));
+    try {
+      for (; done < clock.substeps && !control.frozen(); ++done)
+        control.meet(run.substep(clock.tick(done)));
+    } catch (...) {  // memory has run out: the clock tells which substeps are done
+      control.finish(clock, done);
+      throw;
+    }
     control.finish(clock, done);
   }
   auto access(std::int64_t env) {
@@ -122,13 +127,14 @@ void Simulation<Scene_, Backend, T>::step(double h, std::span<unsigned char cons
 
 template <class Scene_, class Backend, class T>
 double Simulation<Scene_, Backend, T>::suggest_dt(std::int64_t env) requires(Scene_::has_body) {
+  this->check_environment(env);
   if constexpr (Scene::has_body) {
     workspaces_.resize(workspaces_.empty() ? 1 : workspaces_.size());
     HostEnvironment<Scene, T, Serial> run(state_, env, context_of(env), workspaces_[0], Serial{});
     std::uint32_t faults = 0;
     return double(run.limit(faults).dt);
   } else {
-    return static_cast<void>(env), 0.0;
+    return 0.0;
   }
 }
 
