@@ -131,6 +131,7 @@ TEST_CASE("bad rods are refused with name, value and bound", "[constraint][build
                     Contains("compliance") && Contains("[0, inf)"));
   CHECK_THROWS_WITH(rod.add<Distance>({0, 1}, {0.0, 0.0}), Contains("rest_length"));
   CHECK_THROWS_WITH(rod.prescribe(7), Contains("bead 7"));
+  CHECK_THROWS_WITH(rod.prescribe(0, {{0.0, std::nan(""), 0.0}}), Contains("not finite"));
   CHECK(rod.instances<Distance>() == 0);
 
   RodAssembly<Banded> banded;
@@ -138,4 +139,28 @@ TEST_CASE("bad rods are refused with name, value and bound", "[constraint][build
   CHECK_THROWS_WITH(banded.add<Distance>({0, 2}, {0.1, 0.0}), Contains("do not follow each other"));
   banded.add<Distance>({0, 1}, {0.1, 0.0});
   CHECK_THROWS_WITH(banded.add<Distance>({0, 1}, {0.1, 0.0}), Contains("given twice"));
+}
+
+struct Kick : Field<"kick", "N s", Vector, Beads> {};  // as a coupling keeps one
+TEST_CASE("a rod that does not fit writes nothing, and one that does begins without impulses",
+          "[constraint][builder][B13]") {
+  RodAssembly<Body> rod;
+  add_thread(rod, straight({{0, 0, 0}}, {{0.02, 0, 0}}, 4), nylon);
+  State<double, union_t<Body::AllFields, Fields<Kick>>> store(1);
+  store.table<Beads>().resize(1, rod.beads());
+  store.table<Instances<Distance>>().resize(1, rod.instances<Distance>());
+  for_each_type(typename decltype(store)::Domains{}, [&]<class D>(std::type_identity<D>) {
+    if (store.table<D>().capacity() == 0) store.table<D>().resize(1, 1);
+  });
+  store.table<Instances<Distance>>().resize(1, rod.instances<Distance>() - 1);
+  CHECK_THROWS_AS(rod.write(store, 0), std::out_of_range);
+  CHECK(store.table<Beads>().live(0) == 0);
+  store.table<Instances<Distance>>().resize(1, 64);
+  for_each_type(typename Body::Set::List{},
+                [&]<class C>(std::type_identity<C>) { store.table<Instances<C>>().resize(1, 64); });
+  CHECK_THROWS_AS(rod.write(store, 1), std::out_of_range);
+  store.set<Kick>(0, 2, vec(1.0, 0.0, 0.0));
+  rod.write(store, 0);
+  CHECK(store.table<Beads>().live(0) == rod.beads());
+  CHECK(norm(store.get<Kick>(0, 2)) == 0.0);
 }

@@ -70,6 +70,7 @@ template <class Body> class RodAssembly {
   // Prescribes a bead's motion: it keeps its velocity whatever pulls at it.
   void prescribe(std::int64_t b, Vec3<double> const& velocity = {}) {
     check_bead("prescribe", b);
+    refuse_if(!is_finite(velocity), "prescribe", "a velocity that is not finite");
     inverse_masses_[static_cast<std::size_t>(b)] = 0.0;
     velocities_[static_cast<std::size_t>(b)] = velocity;
   }
@@ -94,6 +95,7 @@ template <class Body> class RodAssembly {
   // Prescribes a frame's motion: it keeps its angular velocity whatever turns it.
   void prescribe_frame(std::int64_t f, Vec3<double> const& angular_velocity = {}) {
     check_frame("prescribe_frame", f);
+    refuse_if(!is_finite(angular_velocity), "prescribe_frame", "a velocity that is not finite");
     frames_[static_cast<std::size_t>(f)].inverse_inertia = 0.0;
     frames_[static_cast<std::size_t>(f)].angular_velocity = angular_velocity;
   }
@@ -133,11 +135,14 @@ template <class Body> class RodAssembly {
     return all;
   }
 
-  // Writes everything into environment `env` of a store (core/state.hpp), instances ordered by colour.
+  // Writes everything into environment `env` of a store (core/state.hpp), instances ordered by colour. Beads and frames begin
+  // without the impulses of those before them. Too small a capacity throws std::out_of_range and nothing is written.
   template <class Store>
   void write(Store& store, std::int64_t env, VisitOrder visit = VisitOrder::coloured) const {
     using T = typename Store::Scalar;
+    check_room(store, env);
     auto& table = store.template table<Beads>();
+    table.clear(env, 0, table.capacity());
     table.set_live(env, beads());
     for (std::int64_t b = 0; b < beads(); ++b) {
       auto const i = static_cast<std::size_t>(b);
@@ -152,6 +157,14 @@ template <class Body> class RodAssembly {
   }
 
  private:
+  template <class Store> void check_room(Store const& store, std::int64_t env) const {
+    store.template table<Beads>().check_live(env, beads());
+    if constexpr (Body::has_frames) store.template table<Frames>().check_live(env, frames());
+    for_each_type(typename Set::List{}, [&]<class C>(std::type_identity<C>) {
+      store.template table<Instances<C>>().check_live(env, instances<C>());
+    });
+  }
+
   template <class C> struct Held { detail::InstanceList<C> list; };
   template <class List> struct AllOf;
   template <class... Cs> struct AllOf<TypeList<Cs...>> : Held<Cs>... {};
@@ -190,6 +203,7 @@ template <class Body> class RodAssembly {
   template <class Store> void write_frames(Store& store, std::int64_t env) const {
     using T = typename Store::Scalar;
     auto& table = store.template table<Frames>();
+    table.clear(env, 0, table.capacity());
     table.set_live(env, frames());
     for (std::int64_t f = 0; f < frames(); ++f) {
       auto const& one = frames_[static_cast<std::size_t>(f)];
