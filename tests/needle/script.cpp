@@ -207,6 +207,7 @@ TEMPLATE_TEST_CASE("a steered needle meets a marker that has moved, without a ju
   auto const script = suture_script(path, paper_arc());
   Table<T, Needles, needle::SteeredState> table(1, 1);
   auto const view = table.view();
+  view.template set<needle::Offset>(0, vec(T(1), T(0), T(0)));  // of an episode before
   kinematic::reset(view, 0, script);
   Vec3<double> const moved_exit = path.exit + vec(0.03, 0.02, 0.025);
   auto const offset = path.offset_to(moved_exit);

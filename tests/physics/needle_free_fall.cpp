@@ -124,6 +124,13 @@ TEST_CASE("a free needle falls alone while no thread is tied to it", "[needle][g
     CHECK(norm(sim.state().get<bead::Velocity>(0, k) - seconds * g) < 1e-9);
 }
 
+TEST_CASE("a needle that is turned nowhere is lost", "[needle][status]") {
+  auto sim = falling<Suture>();
+  sim.state().set<needle::Orientation>(0, 0, {});
+  sim.step(h);
+  CHECK(has(sim.status(0), Fault::not_finite));
+}
+
 TEST_CASE("needle and swaged thread gain the momentum of their weight", "[needle][gravity]") {
   auto sim = falling<Suture>();
   auto const body = FreeArcNeedle::body(wire);

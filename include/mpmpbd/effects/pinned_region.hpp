@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <stdexcept>
+#include <string>
 
 #include <mpmpbd/effects/concepts.hpp>
 #include <mpmpbd/effects/plane.hpp>
@@ -16,6 +18,14 @@ template <class Node, class K> MPMPBD_HD bool in_box(Node const& n, K const& k) 
   for (int a = 0; a < 3; ++a)
     inside = inside && at_or_behind(x[a], k.low[a], T(-1)) && at_or_behind(x[a], k.high[a], T(1));
   return inside;
+}
+// Throws std::invalid_argument where low is beyond high.
+template <class K> void check_box(std::string const& owner, K const& k) {
+  for (int a = 0; a < 3; ++a)
+    if (k.low[a] > k.high[a])
+      throw std::invalid_argument("mpmpbd " + owner + ": low = " + std::to_string(k.low[a]) +
+                                  " m, high = " + std::to_string(k.high[a]) + " m on axis " +
+                                  std::to_string(a) + "; give low <= high");
 }
 inline constexpr std::array<ParameterInfo, 9> box_info{
     {bound::any("low_x", "m"), bound::any("low_y", "m"), bound::any("low_z", "m"),
@@ -40,6 +50,9 @@ struct PinnedRegion {
   static constexpr std::array<ParameterInfo, 6> parameter_info{
       {detail::box_info[0], detail::box_info[1], detail::box_info[2], detail::box_info[3],
        detail::box_info[4], detail::box_info[5]}};
+  template <class T> static void check_together(Parameters<T> const& k) {
+    detail::check_box("PinnedRegion", k);
+  }
 
   template <class Node, class K, class T>
   MPMPBD_HD static void apply(Node& n, K const& k, Tick<T> const&) {
@@ -64,6 +77,9 @@ struct DrivenRegion {
     T velocity[3];  // [m/s]
   };
   static constexpr auto parameter_info = detail::box_info;
+  template <class T> static void check_together(Parameters<T> const& k) {
+    detail::check_box("DrivenRegion", k);
+  }
 
   template <class Node, class K, class T>
   MPMPBD_HD static void apply(Node& n, K const& k, Tick<T> const&) {

@@ -14,6 +14,8 @@ MPMPBD_HD void reset(View const& view, std::int64_t item, Script const& script) 
   using T = typename View::Scalar;
   needle::set_pose(view, item, cast_pose<T>(script.start));
   needle::set_twist(view, item, Twist<T>{});
+  if constexpr (contains<typename View::List, needle::Offset>)
+    view.template set<needle::Offset>(item, Vec3<T>{});
 }
 
 template <class View>

@@ -87,7 +87,7 @@ template <class T> struct Room {
   }
 };
 
-// not_finite where a bead, a frame or a needle has a NaN or an infinity, as far as a lane of the team sees it; particles
+// not_finite where a bead, a frame or a needle has a NaN or an infinity, or a needle is turned nowhere (0, 0, 0, 0), as far as a lane of the team sees it; particles
 // are asked by their bounds.
 template <class Team_, class Env>
 MPMPBD_HD std::uint32_t lost_bodies(Team_ const& team, Env const& env) {
@@ -105,6 +105,10 @@ MPMPBD_HD std::uint32_t lost_bodies(Team_ const& team, Env const& env) {
   look(frame::Orientation{}), look(frame::AngularVelocity{});
   look(needle::Position{}), look(needle::Orientation{});
   look(needle::LinearVelocity{}), look(needle::AngularVelocity{});
+  if constexpr (Env::template has<needle::Orientation>)
+    team.each(static_cast<int>(env.template live<Needles>()), [&](int n) {
+      all = quaternion::is_valid(env.template get<needle::Orientation>(n)) && all;
+    });
   return all ? 0 : static_cast<std::uint32_t>(Fault::not_finite);
 }
 
