@@ -67,7 +67,7 @@ template <class Scene_> struct Bar {
     double const dx = block.c.cell, far = 1e3 * dx, off = held ? 0 : far;
     block.run.template set<PinnedRegion>({{-far, -far, -far}, {5 * dx - off, far, far}});
     block.run.template set<DrivenRegion>(
-        {{grip * dx + off, -far, -far}, {far, far, far}, {held ? speed() : 0.0, 0, 0}});
+        {{grip * dx + off, -far, -far}, {far + off, far, far}, {held ? speed() : 0.0, 0, 0}});
   }
   double speed() const { return share * mpmpbd::sqrt(1e4 / block.c.density); }
   void pull() {

@@ -288,6 +288,12 @@ TEMPLATE_TEST_CASE("a tip that the surface does not resist goes in where it meet
   CHECK(change.kind == EventKind::entry);
   CHECK(change.faults == 0);
   CHECK(tip.state == TipState::inside);
+
+  tip = Tip<T>::at(above(T(0.00005)));
+  to(T(-0.00005));
+  CHECK(tip.state == TipState::touch);
+  CHECK(to(T(0.0003)).kind == EventKind::none);  // it is drawn back
+  CHECK(tip.state == TipState::outside);
 }
 
 TEST_CASE("a NaN stops at the tip", "[surface][tip]") {

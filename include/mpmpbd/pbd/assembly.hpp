@@ -136,7 +136,7 @@ template <class Body> class RodAssembly {
   }
 
   // Writes everything into environment `env` of a store (core/state.hpp), instances ordered by colour. Beads and frames begin
-  // without the impulses of those before them. Too small a capacity throws std::out_of_range and nothing is written.
+  // without what a coupling has stored with them; contact points are the caller's. Too small a capacity throws std::out_of_range and nothing is written.
   template <class Store>
   void write(Store& store, std::int64_t env, VisitOrder visit = VisitOrder::coloured) const {
     using T = typename Store::Scalar;

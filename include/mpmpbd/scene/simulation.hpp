@@ -72,7 +72,7 @@ class Simulation : public RunState<Scene_, T> {
       for (; done < clock.substeps && !control.frozen(); ++done)
         control.meet(run.substep(clock.tick(done)));
     } catch (...) {  // memory has run out: the clock tells which substeps are done
-      control.finish(clock, done);
+      if (done > 0) control.finish(clock, done);
       throw;
     }
     control.finish(clock, done);

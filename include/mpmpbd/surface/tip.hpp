@@ -139,7 +139,8 @@ MPMPBD_HD TipChange<T> advance_tip(Group_ const& group, Tip<T>& tip, Vec3<T> con
   } else if (tip.state == TipState::touch) {
     // The impulse is capped at cap * dt, so "reached" is equality, up to rounding and to the turn
     // of the tip's axis within a substep.
-    bool const pushes = impulse > T(0) || tip.cap == T(0);  // what nothing holds needs no push
+    // Where nothing resists, to be below the sheet is enough.
+    bool const pushes = tip.cap > T(0) ? impulse > T(0) : surface.distance <= T(0);
     if (pushes && impulse >= (T(1) - T(TipLimits::tolerance)) * tip.cap * dt) {
       auto const mark = surface.found ? surface.mark : tip.mark;
       tip.state = TipState::inside;
