@@ -2,8 +2,7 @@
 #pragma once
 
 #include <array>
-#include <stdexcept>
-#include <string>
+#include <string_view>
 
 #include <mpmpbd/effects/concepts.hpp>
 #include <mpmpbd/effects/plane.hpp>
@@ -19,19 +18,20 @@ template <class Node, class K> MPMPBD_HD bool in_box(Node const& n, K const& k) 
     inside = inside && at_or_behind(x[a], k.low[a], T(-1)) && at_or_behind(x[a], k.high[a], T(1));
   return inside;
 }
-// Throws std::invalid_argument where low is beyond high.
-template <class K> void check_box(std::string const& owner, K const& k) {
-  for (int a = 0; a < 3; ++a)
-    if (k.low[a] > k.high[a])
-      throw std::invalid_argument("mpmpbd " + owner + ": low = " + std::to_string(k.low[a]) +
-                                  " m, high = " + std::to_string(k.high[a]) + " m on axis " +
-                                  std::to_string(a) + "; give low <= high");
-}
 inline constexpr std::array<ParameterInfo, 9> box_info{
     {bound::any("low_x", "m"), bound::any("low_y", "m"), bound::any("low_z", "m"),
      bound::any("high_x", "m"), bound::any("high_y", "m"), bound::any("high_z", "m"),
      bound::any("velocity_x", "m/s"), bound::any("velocity_y", "m/s"),
      bound::any("velocity_z", "m/s")}};
+// Refuses a corner `high` that is below `low` [m].
+template <class K> void check_corners(std::string_view owner, K const& k) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    ParameterInfo info = box_info[3 + a];
+    info.low = static_cast<double>(k.low[a]);
+    info.low_is_allowed = true;
+    check_parameter(owner, info, static_cast<double>(k.high[a]));
+  }
+}
 }  // namespace detail
 
 // Nodes with low <= x <= high on every axis do not move; contact feels no mass there.
@@ -51,7 +51,7 @@ struct PinnedRegion {
       {detail::box_info[0], detail::box_info[1], detail::box_info[2], detail::box_info[3],
        detail::box_info[4], detail::box_info[5]}};
   template <class T> static void check_together(Parameters<T> const& k) {
-    detail::check_box("PinnedRegion", k);
+    detail::check_corners("PinnedRegion", k);
   }
 
   template <class Node, class K, class T>
@@ -78,7 +78,7 @@ struct DrivenRegion {
   };
   static constexpr auto parameter_info = detail::box_info;
   template <class T> static void check_together(Parameters<T> const& k) {
-    detail::check_box("DrivenRegion", k);
+    detail::check_corners("DrivenRegion", k);
   }
 
   template <class Node, class K, class T>

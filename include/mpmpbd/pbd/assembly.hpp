@@ -58,19 +58,17 @@ template <class Body> class RodAssembly {
   // Adds a bead: position [m], mass [kg], velocity [m/s]. Returns its number.
   std::int64_t add_bead(Vec3<double> const& x, double mass, Vec3<double> const& v = {}) {
     check_parameter("RodAssembly::add_bead", bound::positive("mass", "kg"), mass);
-    for (int a = 0; a < 3; ++a) {
-      check_parameter("RodAssembly::add_bead", bound::any("position", "m"), x[a]);
-      check_parameter("RodAssembly::add_bead", bound::any("velocity", "m/s"), v[a]);
-    }
+    check_vector("RodAssembly::add_bead", bound::any("position", "m"), x);
+    check_vector("RodAssembly::add_bead", bound::any("velocity", "m/s"), v);
     positions_.push_back(x);
     velocities_.push_back(v);
     inverse_masses_.push_back(1.0 / mass);
     return beads() - 1;
   }
-  // Prescribes a bead's motion: it keeps its velocity whatever pulls at it.
+  // Prescribes a bead's motion: it keeps its velocity [m/s] whatever pulls at it.
   void prescribe(std::int64_t b, Vec3<double> const& velocity = {}) {
     check_bead("prescribe", b);
-    refuse_if(!is_finite(velocity), "prescribe", "a velocity that is not finite");
+    check_vector("RodAssembly::prescribe", bound::any("velocity", "m/s"), velocity);
     inverse_masses_[static_cast<std::size_t>(b)] = 0.0;
     velocities_[static_cast<std::size_t>(b)] = velocity;
   }
@@ -87,15 +85,15 @@ template <class Body> class RodAssembly {
         Body::has_frames,
         "mpmpbd RodAssembly: no constraint of this rod acts on frames; write StretchShear and BendTwist into its Constraints<...>");
     check_parameter("RodAssembly::add_frame", bound::positive("inertia", "kg m^2"), inertia);
-    for (int a = 0; a < 3; ++a)
-      check_parameter("RodAssembly::add_frame", bound::any("angular velocity", "rad/s"), w[a]);
+    check_vector("RodAssembly::add_frame", bound::any("angular velocity", "rad/s"), w);
     frames_.push_back({quaternion::checked("RodAssembly::add_frame", q), w, 1.0 / inertia});
     return frames() - 1;
   }
-  // Prescribes a frame's motion: it keeps its angular velocity whatever turns it.
+  // Prescribes a frame's motion: it keeps its angular velocity, in world axes [rad/s], whatever turns it.
   void prescribe_frame(std::int64_t f, Vec3<double> const& angular_velocity = {}) {
     check_frame("prescribe_frame", f);
-    refuse_if(!is_finite(angular_velocity), "prescribe_frame", "a velocity that is not finite");
+    check_vector("RodAssembly::prescribe_frame", bound::any("angular velocity", "rad/s"),
+                 angular_velocity);
     frames_[static_cast<std::size_t>(f)].inverse_inertia = 0.0;
     frames_[static_cast<std::size_t>(f)].angular_velocity = angular_velocity;
   }
@@ -175,6 +173,10 @@ template <class Body> class RodAssembly {
   static void refuse_if(bool bad, std::string_view owner, std::string const& sentence) {
     if (bad)
       throw std::invalid_argument("mpmpbd RodAssembly, " + std::string(owner) + ": " + sentence);
+  }
+  static void check_vector(std::string_view owner, ParameterInfo const& info,
+                           Vec3<double> const& v) {
+    for (int a = 0; a < 3; ++a) check_parameter(owner, info, v[a]);
   }
   void check_bead(std::string_view owner, std::int64_t b) const {
     refuse_if(b < 0 || b >= beads(), owner,
