@@ -9,6 +9,8 @@
 
 #include "catch.hpp"
 
+#include <new>
+
 using namespace mpmpbd;
 
 namespace {
@@ -43,6 +45,18 @@ SimulationOptions options(int substeps = 0) {
           .capacity = {{"particle", 1400}},
           .substeps = substeps};
 }
+
+// Memory runs out in the third substep of a step.
+struct Exhausting {
+  using Role = role::Effect;
+  static constexpr FixedString name = "exhausting";
+  static constexpr Slot slot = Slot::on_grid;
+  using Reads = Fields<node::Velocity>;
+  using Writes = Fields<node::Velocity>;
+  template <class Node, class K, class T> static void apply(Node&, K const&, Tick<T> const& tick) {
+    if (tick.substep == 2) throw std::bad_alloc();
+  }
+};
 
 }  // namespace
 
@@ -242,4 +256,14 @@ TEST_CASE("Empty environments run") {
   run.step(1e-3);
   CHECK(run.status(0) == 0);
   CHECK(run.state().get<environment::Substeps>(0) == 1);
+}
+
+TEST_CASE("A step that breaks off leaves a clock that tells what is done") {
+  Simulation<Scene<Tissue, Exhausting>> run(options(4));
+  run.set<NeoHookean>(lame(1e4, 0.3));
+  std::vector<Vec3<double>> const at{dx * vec(5.0, 5.0, 5.0)};
+  run.add_particles(0, at, 1050.0, dx * dx * dx / 8);
+  CHECK_THROWS_AS(run.step(4e-5), std::bad_alloc);
+  CHECK(run.state().get<environment::Step>(0) == 2);
+  CHECK(run.state().get<environment::Time>(0) == 20'000'000);  // [ps]
 }

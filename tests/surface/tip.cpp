@@ -296,6 +296,20 @@ TEMPLATE_TEST_CASE("a tip that the surface does not resist goes in where it meet
   CHECK(tip.state == TipState::outside);
 }
 
+TEST_CASE("a tip whose sheet has gone is outside, and nothing has happened", "[surface][tip]") {
+  Trial<double> t(above(0.00005));
+  auto none = t.held.sheet();
+  none.triangles = 0;
+  for (TipState const state : {TipState::outside, TipState::touch, TipState::inside}) {
+    t.tip.state = state;
+    auto const change = advance_tip(t.tip, above(-0.0001), 1.0, dt<double>, none, t.held.columns(),
+                                    cell<double>, forces<double>());
+    CHECK(change.kind == EventKind::none);
+    CHECK(change.faults == 0);
+    CHECK(t.tip.state == TipState::outside);
+  }
+}
+
 TEST_CASE("a NaN stops at the tip", "[surface][tip]") {
   Trial<double> t(above(0.001));
   auto const before = t.tip;
