@@ -50,11 +50,11 @@ struct IntegerRow {
 };
 
 template <class T, class Form> struct EmbeddedArrays {
-  // First, so that they stay in place between substeps: the triangles over the columns, where vertices were then, and how many
-  // have moved since.
+  // First, so that they stay in place between substeps: the triangles over the columns, where vertices were along x and y when
+  // these were listed [m], and how many have moved too far since.
   IntegerRow column_first, column_item;
   Vec<T, 2>* listed_at;
-  int* has_moved;
+  int* moved_vertices;
   Vec3<T>* position;
   Vec3<T>* velocity;
   T* mass;
@@ -77,7 +77,7 @@ template <class T, class Form> struct EmbeddedArrays {
     column_first = {cutter.cut<int>(static_cast<int>(n.columns() + 1))};
     column_item = {cutter.cut<int>(static_cast<int>(n.column_items()))};
     listed_at = cutter.cut<Vec<T, 2>>(n.vertices);
-    has_moved = cutter.cut<int>(1);
+    moved_vertices = cutter.cut<int>(1);
     view = cutter.cut_fast<ExchangeView<T, Form>>(1);
     position = cutter.cut_fast<Vec3<T>>(n.beads);
     velocity = cutter.cut_fast<Vec3<T>>(n.beads);

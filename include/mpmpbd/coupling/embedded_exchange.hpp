@@ -40,7 +40,7 @@ MPMPBD_HD auto sheet_columns(BodyCounts const& n, Lattice<T> const& lattice, Int
 template <class Team_, class S, class C, class Arrays>
 MPMPBD_HD std::uint32_t list_triangles(Team_ const& team, S const& sheet, C const& columns,
                                        Arrays const& a) {
-  team.one([&] { *a.has_moved = 0; });
+  team.one([&] { *a.moved_vertices = 0; });
   team.each(static_cast<int>(sheet.vertices), [&](int i) {
     auto const x = sheet.vertex(i);
     a.listed_at[i] = {{x[0], x[1]}};
@@ -54,10 +54,10 @@ MPMPBD_HD std::uint32_t renew_lists(Team_ const& team, S const& sheet, C const& 
   team.each(static_cast<int>(sheet.vertices), [&](int i) {
     auto const x = sheet.vertex(i);
     auto const y = a.listed_at[i];
-    if (max(abs(x[0] - y[0]), abs(x[1] - y[1])) > columns.margin) team.add(*a.has_moved, 1);
+    if (max(abs(x[0] - y[0]), abs(x[1] - y[1])) > columns.margin) team.add(*a.moved_vertices, 1);
   });
   team.sync();
-  if (*a.has_moved == 0) return 0;
+  if (*a.moved_vertices == 0) return 0;
   team.sync();
   return list_triangles(team, sheet, columns, a);
 }

@@ -64,7 +64,7 @@ inline int multiprocessors = 2;
 inline int shared_bytes_per_block = 232448;
 inline int launches = 0, allocations = 0, copies = 0, waits = 0;  // counted
 inline int refused_launch = 0;                                    // its number; 0: none
-inline int present_device = 0, waited_for = 0;  // waited_for: the device of the last wait
+inline int present_device = 0, waited_for = 0;                    // waited_for: the device of the last wait
 
 // Bytes of shared memory that a kernel may have, where more than every device gives unasked has been granted.
 inline std::map<void*, std::size_t>& granted() {
@@ -362,15 +362,16 @@ inline int atomicCAS(int* to, int expected, int value) {
 // The run-time, as far as the library uses it.
 enum cudaError_t { cudaSuccess, cudaErrorMemoryAllocation, cudaErrorInvalidValue };
 enum cudaMemcpyKind { cudaMemcpyHostToDevice, cudaMemcpyDeviceToHost, cudaMemcpyDeviceToDevice };
-enum cudaDeviceAttr { cudaDevAttrMaxSharedMemoryPerBlockOptin, cudaDevAttrMultiProcessorCount };
+enum cudaDeviceAttr {
+  cudaDevAttrMaxSharedMemoryPerBlockOptin,
+  cudaDevAttrMultiProcessorCount
+};
 enum cudaFuncAttribute { cudaFuncAttributeMaxDynamicSharedMemorySize };
 using cudaStream_t = struct EmulatedStream*;
 
 inline char const* cudaGetErrorString(cudaError_t) { return "an emulated error"; }
 inline cudaError_t cudaGetLastError() { return cudaSuccess; }
-inline cudaError_t cudaGetDeviceCount(int* count) {
-  return *count = emulated::devices, cudaSuccess;
-}
+inline cudaError_t cudaGetDeviceCount(int* count) { return *count = emulated::devices, cudaSuccess; }
 inline cudaError_t cudaGetDevice(int* device) {
   return *device = emulated::present_device, cudaSuccess;
 }

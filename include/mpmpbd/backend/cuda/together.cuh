@@ -13,7 +13,7 @@ template <class... Ss> struct TogetherOf<TypeList<Ss...>> {
 
 // Whether a stage names no field of a domain.
 template <class S, class Domain>
-inline constexpr bool leaves =
+inline constexpr bool names_none_of =
     on_t<union_t<typename S::Reads, typename S::Writes>, Domain>::count == 0;
 
 // Stages before the first that goes item by item, that one, and those after it.
@@ -35,11 +35,11 @@ struct AtItemWise<TypeList<S, Ss...>> {
   using ItemWise = TypeList<S>;
   using After = TypeList<Ss...>;
   static_assert(
-      leaves<S, Particles> && on_t<typename S::Writes, Nodes>::count == 0,
+      names_none_of<S, Particles> && on_t<typename S::Writes, Nodes>::count == 0,
       "mpmpbd Simulation<Scene, Cuda>: a stage of kind::ItemWise names fields of particles or writes "
       "nodes, while particles gather from them; leave that to a stage of kind::Together before it");
   static_assert(
-      ((leaves<Ss, Nodes> && leaves<Ss, Particles>)&&...),
+      ((names_none_of<Ss, Nodes> && names_none_of<Ss, Particles>)&&...),
       "mpmpbd Simulation<Scene, Cuda>: a stage after one of kind::ItemWise reads or writes nodes "
       "or particles, which are those of the next substep by then; put it before that stage");
 };
