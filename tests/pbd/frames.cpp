@@ -254,7 +254,15 @@ TEST_CASE("rods with bad frames are refused with name and value",
   CHECK_THROWS_WITH(add_framed_thread(rod, line, two, soft),
                     Contains("frames = 2") && Contains("3 segments"));
   CHECK(rod.beads() == 0);
+  std::vector<Frame> turned_nowhere(3, quaternion::identity<double>());
+  turned_nowhere.back() = {};
+  CHECK_THROWS_WITH(add_framed_thread(rod, line, turned_nowhere, soft), Contains("frames"));
+  CHECK(rod.beads() == 0);
+  CHECK(rod.frames() == 0);
   add_framed_thread(rod, line, soft);
+  auto const lone = rod.add_bead({{0.03, 0, 0}}, 1e-6);
+  CHECK_THROWS_WITH(rod.add<StretchShear>({lone - 1, lone, 1}, {l, 0, 0}),
+                    Contains("given twice at frame 1"));
   CHECK_THROWS_WITH(rod.add<BendTwist>({0, 3}, {}), Contains("frame 3 does not exist"));
   CHECK_THROWS_WITH(rod.add<BendTwist>({1, 1}, {}), Contains("frame 1 twice"));
   CHECK_THROWS_WITH(rod.add<BendTwist>({0, 2}, {}), Contains("do not follow each other"));

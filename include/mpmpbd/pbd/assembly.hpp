@@ -133,8 +133,9 @@ template <class Body> class RodAssembly {
     return all;
   }
 
-  // Writes everything into environment `env` of a store (core/state.hpp), instances ordered by colour. Beads and frames begin
-  // without what a coupling has stored with them; contact points are the caller's. Too small a capacity throws std::out_of_range and nothing is written.
+  // Writes everything into environment `env` of a store (core/state.hpp), instances ordered by colour. Beads and
+  // frames begin without what a coupling has stored with them; contact points are the caller's. Too small a
+  // capacity throws std::out_of_range and nothing is written.
   template <class Store>
   void write(Store& store, std::int64_t env, VisitOrder visit = VisitOrder::coloured) const {
     using T = typename Store::Scalar;
@@ -196,10 +197,14 @@ template <class Body> class RodAssembly {
           (is_frame[i] ? "frames " : "beads ") + std::to_string(slots[i - 1]) + ", " +
               std::to_string(slots[i]) +
               " do not follow each other, which a direct solver needs; number them along the thread, or take Xpbd<8>");
-    for (auto const& other : of<C>().slots)
-      refuse_if(other[0] == slots[0], C::name.view(),
-                std::string("given twice at ") + (is_frame[0] ? "frame " : "bead ") +
-                    std::to_string(slots[0]) + "; a direct solver takes one there");
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      if (i > 0 && is_frame[i] == is_frame[i - 1])
+        continue;  // neighbours share what follows the first
+      for (auto const& other : of<C>().slots)
+        refuse_if(other[i] == slots[i], C::name.view(),
+                  std::string("given twice at ") + (is_frame[i] ? "frame " : "bead ") +
+                      std::to_string(slots[i]) + "; a direct solver takes one there");
+    }
   }
 
   template <class Store> void write_frames(Store& store, std::int64_t env) const {

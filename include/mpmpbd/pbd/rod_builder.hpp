@@ -143,7 +143,8 @@ struct FramedRange : ThreadRange {
 };
 
 // Adds a thread whose segments have frames: beads as add_thread does, the given frames, StretchShear per segment and
-// BendTwist per joint with the compliances of the material. `as_placed` keeps bends and twists of the start.
+// BendTwist per joint with the compliances of the material. `as_placed` keeps bends and twists of the start. Throws
+// std::invalid_argument naming what is wrong; nothing is added then.
 template <class Body>
 FramedRange add_framed_thread(RodAssembly<Body>& rod, std::span<Vec3<double> const> points,
                               std::span<Quaternion<double> const> frames,
@@ -153,6 +154,7 @@ FramedRange add_framed_thread(RodAssembly<Body>& rod, std::span<Vec3<double> con
   if (frames.size() != length.size())
     detail::refuse_thread("frames = " + std::to_string(frames.size()) + " for " +
                           std::to_string(length.size()) + " segments; give one for each");
+  for (auto const& q : frames) quaternion::checked("add_thread, frames", q);
   std::int64_t const bead = rod.beads(), frame = rod.frames();
   for (std::size_t i = 0; i < points.size(); ++i)
     rod.add_bead(points[i], material.line_density() * detail::share_of(length, i));
