@@ -87,8 +87,8 @@ template <class T> struct Room {
   }
 };
 
-// not_finite where a bead, a frame or a needle has a NaN or an infinity, or a needle is turned nowhere (0, 0, 0, 0), as far as a lane of the team sees it; particles
-// are asked by their bounds.
+// not_finite where a bead, a frame or a needle has a NaN or an infinity, or a needle is turned nowhere
+// (0, 0, 0, 0), as far as a lane of the team sees it; particles are asked by their bounds.
 template <class Team_, class Env>
 MPMPBD_HD std::uint32_t lost_bodies(Team_ const& team, Env const& env) {
   bool all = true;

@@ -1,9 +1,9 @@
 // Which triangles are near a point: square columns along z, each with a list of the triangles over
 // it.
 //
-// Scratch, built by all lanes of a team, and anew when a vertex has moved along x or y by more than `margin`. A list is in no order: no question to
-// the sheet hangs on it. A column holds each of its triangles once, which is what counting the
-// crossings of a vertical ray needs.
+// Scratch, built by all lanes of a team, and anew when a vertex has moved along x or y by more than
+// `margin`. A list is in no order: no question to the sheet hangs on it. A column holds each of its
+// triangles once, which is what counting the crossings of a vertical ray needs.
 #pragma once
 
 #include <type_traits>

@@ -152,8 +152,8 @@ template <class T> struct Shares {
     return more;
   }
 };
-// Drawn by lot from where a particle is [m] and the number of a substep, in [-1/2, 1/2) counts: the finish of MurmurHash3 (Appleby 2011), for
-// which Philox would take more instructions than all shares.
+// Drawn by lot from where a particle is [m] and the number of a substep, in [-1/2, 1/2) counts: the finish of
+// MurmurHash3 (Appleby 2011), for which Philox would take more instructions than all shares.
 template <class T> __device__ __forceinline__ T start_of(Vec3<T> const& x, std::int64_t step) {
   auto const bits = [&](int a) {
     return static_cast<unsigned>(__float_as_int(static_cast<float>(x[a])));
