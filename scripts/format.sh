@@ -15,4 +15,5 @@ files=()
 while IFS= read -r -d '' file; do
   [[ ! -f $file ]] || files+=("$file")
 done < <(git ls-files -z --cached --others --exclude-standard '*.hpp' '*.cpp' '*.cuh' '*.cu')
+wait "$!" || die "git does not list the files of $root; run this in a clone"
 clang-format --style=file "${mode[@]}" "${files[@]}"
