@@ -26,4 +26,4 @@ done < <(find "${folders[@]}" -name '*.cpp' -not -path '*/fail/*' -not -path '*/
 # Flags by hand, not from a build: g++ builds hold options that clang-tidy does not know.
 printf '%s\0' "${sources[@]}" |
   xargs -0 -n 1 -P "$jobs" sh -c 'exec clang-tidy --quiet --config-file=.clang-tidy "$1" -- \
-    -std=c++20 -fopenmp -Iinclude -Itests -isystem /usr/include/eigen3 2>/dev/null' sh
+    -std=c++20 -fopenmp -Iinclude -Itests -isystem /usr/include/eigen3 -isystem /usr/include/hdf5/serial 2>/dev/null' sh
