@@ -177,8 +177,11 @@ class SuturingVectorEnv(_VectorEnv):
         return dict(self._observations), self._reward, self._terminated, self._truncated, info
 
     def start(self, env, episode, stream=None):
-        """Begins a certain episode of one environment, counted from 1; with `stream`, that of another environment."""
-        self._loop.start(env, episode, env if stream is None else stream)
+        """Begins a certain episode of one environment, counted from 1.
+
+        With `stream` it is that of another environment, counted from 0 in the larger set that `first_environment` is of.
+        """
+        self._loop.start(env, episode, stream)
         self._at_start = False
         return dict(self._observations)
 

@@ -51,8 +51,8 @@ template <class Envs_> class StepLoop {
     std::span const where(static_cast<unsigned char const*>(given.ptr), of_all(1));
     alone([&] { envs_.reset(where); });
   }
-  void start(std::int64_t env, std::int64_t episode, std::int64_t as) {
-    alone([&] { envs_.start(env, episode, as); });
+  void start(std::int64_t env, std::int64_t episode, std::optional<std::int64_t> as) {
+    alone([&] { as ? envs_.start(env, episode, *as) : envs_.start(env, episode); });
   }
   void step(py::buffer const& actions) {
     auto const numbers = actions_in(actions.request());

@@ -129,7 +129,7 @@ TEST_CASE("a step loop on a device is that of the host, however episodes end", "
 }
 
 TEST_CASE("episodes begin on a device as they do on the host", "[cuda][rl]") {
-  rl::VectorEnvOptions const options{.num_envs = 3, .seed = 7};
+  rl::VectorEnvOptions const options{.num_envs = 3, .seed = 7, .first_environment = 4};
   OnHost host({}, options);
   OnDevice device({}, options, small);
   auto const both = [&](auto const& act) {
@@ -150,9 +150,9 @@ TEST_CASE("episodes begin on a device as they do on the host", "[cuda][rl]") {
   both([](auto& envs) { envs.start(2, 5); });
   CHECK(device.episode(2) == 5);
   float const fifth = goal(2);
-  both([](auto& envs) { envs.start(0, 5, 2); });
+  both([](auto& envs) { envs.start(0, 5, 6); });
   CHECK(goal(0) == fifth);
-  CHECK(device.stream(0) == 2);
+  CHECK(device.stream(0) == 6);
   both([](auto& envs) { envs.reset(); });
   CHECK(device.episode(2) == 6);
   both([](auto& envs) { envs.reset(std::int64_t{8}); });

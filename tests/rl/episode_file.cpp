@@ -108,6 +108,35 @@ TEST_CASE("it can be seen again", "[rl][episode_file]") {
   }
 }
 
+TEST_CASE("an episode of a part of a larger set is seen again in any part", "[rl][episode_file]") {
+  ::Scratch const scratch;
+  auto const path = scratch / "episodes.hdf5";
+  rl::VectorEnvOptions options{.num_envs = 2, .seed = 4, .first_environment = 3};
+  {
+    Envs envs(settings(), options);
+    rl::EpisodeWriter<Envs> writer(path, envs, "carry");
+    for (int i = 0; i < 10; ++i) step(envs, writer, i);
+    writer.close();
+  }
+  io::Hdf5Reader const file(path);
+  for (std::int64_t const first : {0, 3, 7}) {
+    options.first_environment = first;
+    Envs again(settings(), options);
+    for (std::int64_t demo = 0; demo < 4; ++demo) {
+      auto const recorded = rl::read_episode(file, demo, 3);
+      CAPTURE(first, recorded.environment, recorded.episode);
+      again.start(0, recorded.episode, recorded.environment);
+      again.start(1, recorded.episode, recorded.environment);
+      CHECK(again.stream(1) == recorded.environment);
+      for (std::size_t t = 0; t < recorded.rewards.size(); ++t) {
+        std::vector<float> both;
+        for (std::size_t k = 0; k < 6; ++k) both.push_back(recorded.actions[3 * t + k % 3]);
+        CHECK(again.step(both).reward == std::vector<float>(2, recorded.rewards[t]));
+      }
+    }
+  }
+}
+
 TEST_CASE("files that are none are refused", "[rl][episode_file][errors]") {
   ::Scratch const scratch;
   auto const foreign = scratch / "foreign.hdf5";

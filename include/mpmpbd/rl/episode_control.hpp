@@ -26,7 +26,8 @@ struct EpisodeRules {
   Autoreset autoreset;
 };
 
-// An episode that is to begin: its number, counted from 1, and the environment whose it is.
+// An episode that is to begin: its number, counted from 1, and the environment whose it is, by its
+// number in the larger set: that is what is recorded of an episode.
 struct Beginning {
   std::int64_t episode = 0;  // 0: none begins
   std::int64_t as = 0;
@@ -78,19 +79,20 @@ template <class Task, class Env> struct EpisodeControl {
   }
   // An episode, in an environment that has been put back.
   MPMPBD_HD void begin(Beginning const& it) const {
-    std::int64_t const stream = rules.first_environment + it.as;
     fields.template set<environment::Episode>(0, it.episode);
     fields.template set<environment::Seed>(0, rules.seed);
-    fields.template set<episode::Stream>(0, stream);
-    Random random(rules.seed, stream, it.episode);
+    fields.template set<episode::Stream>(0, it.as);
+    Random random(rules.seed, it.as, it.episode);
     randomise(random, typename Task::Randomisations{});
     tell_beginning(typename Task::Progress{});
     observe();
     groups.repeat(env);
   }
   // The one after the present one.
-  MPMPBD_HD Beginning next() const {
-    return {fields.template get<environment::Episode>(0) + 1, env};
+  MPMPBD_HD Beginning next() const { return own(fields.template get<environment::Episode>(0) + 1); }
+  // One that is this environment's.
+  MPMPBD_HD Beginning own(std::int64_t episode) const {
+    return {episode, rules.first_environment + env};
   }
 
  private:

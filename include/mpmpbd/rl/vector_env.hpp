@@ -46,7 +46,8 @@ class VectorEnv : public EnvSettings<Task_> {
   Sim const& simulation() const { return sim_; }
 
   // Of the episode in which an environment is: its number, counted from 1; decisions since its
-  // start; whether it has ended and waits; and the environment whose random numbers it has.
+  // start; whether it has ended and waits; and the environment whose random numbers it has, by its
+  // number in the larger set.
   std::int64_t episode(std::int64_t env) const { return remembered<environment::Episode>(env); }
   std::int64_t decisions(std::int64_t env) const { return remembered<episode::Decisions>(env); }
   bool waits(std::int64_t env) const { return remembered<episode::Ended>(env) != 0; }
@@ -70,7 +71,9 @@ class VectorEnv : public EnvSettings<Task_> {
   // ... with another seed, from its first episode on, ...
   void reset(std::int64_t seed) {
     options_.seed = seed;
-    backend_.for_each(num_envs(), [&](std::int64_t env, int lane) { begin(env, {1, env}, lane); });
+    backend_.for_each(num_envs(), [&](std::int64_t env, int lane) {
+      begin(env, control(env, lane).own(1), lane);
+    });
   }
   // ... in those with a non-zero mask, ...
   void reset(std::span<unsigned char const> mask) {
@@ -80,8 +83,10 @@ class VectorEnv : public EnvSettings<Task_> {
     });
   }
   // ... or a certain one, counted from 1, in one environment: to see it again. With `as` it is that
-  // of another environment.
-  void start(std::int64_t env, std::int64_t episode) { start(env, episode, env); }
+  // of another environment, counted as stream() does: 0 is the first one of the larger set.
+  void start(std::int64_t env, std::int64_t episode) {
+    start(env, episode, options_.first_environment + env);
+  }
   void start(std::int64_t env, std::int64_t episode, std::int64_t as) {
     this->check_start(env, episode, as);
     begin(env, {episode, as}, 0);

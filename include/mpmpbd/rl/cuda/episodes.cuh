@@ -46,7 +46,7 @@ template <class Task, class T> struct EpisodeLaunch {
     if (asked.only >= 0 && asked.only != one.env) return {};
     out.clear(one.env);
     if (asked.episode == 0) return one.next();
-    return {asked.episode, asked.as >= 0 ? asked.as : one.env};
+    return asked.as >= 0 ? Beginning{asked.episode, asked.as} : one.own(asked.episode);
   }
 };
 

@@ -15,7 +15,7 @@ struct Asked {
   unsigned char const* mask = nullptr;  // in the memory of the device: where it is not 0; null: all
   std::int64_t only = -1;               // this environment; -1: all
   std::int64_t episode = 0;             // counted from 1; 0: the next
-  std::int64_t as = -1;                 // of this environment; -1: of each its own
+  std::int64_t as = -1;  // of this environment of the larger set; -1: of each its own
 };
 
 template <class Task, class T> class EpisodesOnDevice {

@@ -119,7 +119,9 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
     episodes_.send(episodes_.mask(), mask.data(), mask.size());
     ask({.mask = episodes_.mask()});
   }
-  void start(std::int64_t env, std::int64_t episode) { start(env, episode, env); }
+  void start(std::int64_t env, std::int64_t episode) {
+    start(env, episode, options_.first_environment + env);
+  }
   void start(std::int64_t env, std::int64_t episode, std::int64_t as) {
     this->check_start(env, episode, as);
     ask({.only = env, .episode = episode, .as = as});
