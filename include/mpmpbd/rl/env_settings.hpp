@@ -19,10 +19,12 @@ struct VectorEnvOptions {
 };
 
 namespace detail {
+// -1: it is not there.
 template <class List, class P> inline constexpr int index_in = -1;
 template <class P, class... Ps> inline constexpr int index_in<TypeList<P, Ps...>, P> = 0;
 template <class Q, class... Ps, class P>
-inline constexpr int index_in<TypeList<Q, Ps...>, P> = 1 + index_in<TypeList<Ps...>, P>;
+inline constexpr int index_in<TypeList<Q, Ps...>, P> =
+    index_in<TypeList<Ps...>, P> < 0 ? -1 : 1 + index_in<TypeList<Ps...>, P>;
 
 [[noreturn]] inline void refuse_env(std::string const& sentence) {
   throw std::invalid_argument("mpmpbd VectorEnv: " + sentence);
@@ -72,7 +74,12 @@ template <class Task_> class EnvSettings {
   EpisodeRules rules() const {
     return {options_.seed, options_.first_environment, config_.episode.limit, options_.autoreset};
   }
-  static std::size_t metric_index(std::int64_t env, int k) {
+  // Where a metric of an environment is.
+  template <class Metric> static constexpr std::size_t metric_index(std::int64_t env) {
+    constexpr int k = detail::index_in<typename Task::Metrics, Metric>;
+    static_assert(k >= 0,
+                  "mpmpbd VectorEnv: metric<M> of a metric that the task does not have; name one "
+                  "of Task::Metrics, or add it to the task");
     return static_cast<std::size_t>(env * metric_count + k);
   }
 

@@ -119,7 +119,7 @@ class VectorEnv : public EnvSettings<Task_> {
   StepOutcome const& outcome() const { return out_; }
   // One metric of the last step, by its type.
   template <class Metric> float metric(std::int64_t env) const {
-    return out_.metrics[Base::metric_index(env, detail::index_in<typename Task::Metrics, Metric>)];
+    return out_.metrics[Base::template metric_index<Metric>(env)];
   }
 
  private:

@@ -136,8 +136,7 @@ template <class Task_, class T> class VectorEnv<Task_, Cuda, T> : public EnvSett
     return out_;
   }
   template <class Metric> float metric(std::int64_t env) const {
-    constexpr int k = detail::index_in<typename Task::Metrics, Metric>;
-    return outcome().metrics[Base::metric_index(env, k)];
+    return outcome().metrics[Base::template metric_index<Metric>(env)];
   }
 
  private:
