@@ -55,3 +55,12 @@ TEST_CASE("a value that cannot be is refused with its bound", "[rl][suturing][co
     CHECK(sentence.find(wrong.key) != std::string::npos);
   }
 }
+
+TEST_CASE("who is not strict may take substeps too long for the stiffest tissue",
+          "[rl][suturing][config]") {
+  std::vector<std::string> lines{"random.modulus_factor=9.0"};
+  auto const read = [&] { test::suturing_config("coarse.toml", lines); };
+  CHECK_THAT(complaint<ConfigError>(read), Catch::Contains("time.strict = false"));
+  lines.push_back("time.strict=false");
+  CHECK_NOTHROW(read());
+}
