@@ -9,9 +9,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include <fmt/ranges.h>
 
 #define MPMPBD_HAS_HDF5 1
 
@@ -73,6 +76,28 @@ inline std::vector<hsize_t> hdf5_chunk(std::vector<hsize_t> shape, std::size_t e
   return shape;
 }
 
+// Bytes that deflate can make of one, at the most.
+inline constexpr hsize_t most_deflated = 1032;
+
+// The number of values that a shape has places for; nothing when there are more than `most`.
+inline std::optional<std::size_t> hdf5_count(std::vector<hsize_t> const& shape, std::size_t most) {
+  std::size_t n = std::ranges::find(shape, hsize_t{0}) == shape.end() ? 1 : 0;
+  for (auto s : shape) {
+    if (s > 0 && n > most / s) return std::nullopt;
+    n *= static_cast<std::size_t>(s);
+  }
+  return n <= most ? std::optional(n) : std::nullopt;
+}
+
+// Refuses numbers of a file that are of another class (whole, with a fraction, none) than is asked for.
+inline void check_hdf5_class(hid_t stored, hid_t wanted, std::string const& what) {
+  auto const wants = H5Tget_class(wanted);
+  if (H5Tget_class(stored) != wants)
+    throw FileError(
+        fmt::format("HDF5 cannot read {}: it does not hold {}", what,
+                    wants == H5T_INTEGER ? "whole numbers" : "numbers with a fraction"));
+}
+
 }  // namespace detail
 
 // A group of an HDF5 file: arrays, attributes and groups inside it.
@@ -93,6 +118,11 @@ class Hdf5Group {
   template <class E>
   void write(std::string const& name, std::vector<hsize_t> const& shape,
              std::span<E const> values) {
+    if (detail::hdf5_count(shape, values.size()) != values.size())
+      throw FileError(
+          fmt::format("HDF5 cannot write the array '{}': {} values given for a shape of {}; give "
+                      "one for each of its places",
+                      name, values.size(), fmt::join(shape, " x ")));
     detail::Hdf5Handle const space(
         H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose,
         "describe the array '" + name + "'");
@@ -123,10 +153,19 @@ class Hdf5Group {
     if (axes < 0) throw FileError("HDF5 cannot measure the array '" + name + "'");
     std::vector<hsize_t> sizes(static_cast<std::size_t>(axes));
     H5Sget_simple_extent_dims(space, sizes.data(), nullptr);
-    std::size_t n = 1;
-    for (auto s : sizes) n *= static_cast<std::size_t>(s);
-    std::vector<E> values(n);
-    if (n > 0 &&
+    detail::Hdf5Handle const stored(H5Dget_type(array), H5Tclose,
+                                    "tell the numbers of the array '" + name + "'");
+    detail::check_hdf5_class(stored, detail::hdf5_type<E>(), "the array '" + name + "'");
+    // Nothing is allocated for numbers that the file only claims to hold.
+    auto const n = detail::hdf5_count(
+        sizes, H5Dget_storage_size(array) / H5Tget_size(stored) * detail::most_deflated);
+    if (!n)
+      throw FileError(fmt::format(
+          "HDF5 cannot read the array '{}': it has the shape {}, for which the file does not hold "
+          "enough numbers; is it whole?",
+          name, fmt::join(sizes, " x ")));
+    std::vector<E> values(*n);
+    if (!values.empty() &&
         H5Dread(array, detail::hdf5_type<E>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
       throw FileError("HDF5 cannot read the array '" + name + "'");
     if (shape != nullptr) *shape = sizes;
@@ -149,6 +188,14 @@ class Hdf5Group {
     detail::Hdf5Handle const a(
         detail::quietly([&] { return H5Aopen(id_, name.c_str(), H5P_DEFAULT); }), H5Aclose,
         "open the attribute '" + name + "'");
+    detail::Hdf5Handle const space(H5Aget_space(a), H5Sclose,
+                                   "measure the attribute '" + name + "'");
+    detail::Hdf5Handle const stored(H5Aget_type(a), H5Tclose,
+                                    "tell the numbers of the attribute '" + name + "'");
+    detail::check_hdf5_class(stored, H5T_NATIVE_INT64, "the attribute '" + name + "'");
+    if (auto const count = H5Sget_simple_extent_npoints(space); count != 1)
+      throw FileError(fmt::format(
+          "HDF5 cannot read the attribute '{}': it holds {} numbers, not one", name, count));
     std::int64_t value = 0;
     if (H5Aread(a, H5T_NATIVE_INT64, &value) < 0)
       throw FileError("HDF5 cannot read the attribute '" + name + "'");
