@@ -198,6 +198,8 @@ TEST_CASE("text is written so that TOML reads it back", "[io][config]") {
 TEST_CASE("a key without default must be given", "[io][config]") {
   REQUIRE(complaint<ConfigError>([] { io::parse_config<Named>("", "a.toml"); }) ==
           "a.toml: key name is missing; give a text, name of the run");
+  REQUIRE_THAT(complaint<ConfigError>([] { io::parse_config<Named>({}); }),
+               Catch::Contains("settings without a document: key name is missing"));
   REQUIRE(io::parse_config<Named>("name = \"x\"", "a.toml").name == "x");
 }
 

@@ -148,6 +148,7 @@ class ConfigReader {
   };
 
   std::string place(Place const& at) const {
+    if (at.document < 0) return "settings without a document";
     auto const& source = sources_[static_cast<std::size_t>(at.document)];
     return at.line == 0 || !has_lines_[static_cast<std::size_t>(at.document)]
                ? source
