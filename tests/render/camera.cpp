@@ -28,6 +28,19 @@ TEST_CASE("the target is in the middle, what is higher is above, what is right i
   CHECK(pixel_of(camera, target + vec(0.2f, 0.0f, 0.0f))[0] > 321.0f);
 }
 
+TEST_CASE("a camera that looks straight down has y at the top and x on the right",
+          "[render][camera]") {
+  for (Vec3<float> const& above : {target + 2.5f * up, target - 2.5f * up}) {
+    Camera const camera = look_at(above, target, up, 0.6f, 640, 360);
+    CHECK_THAT(norm(camera.right), WithinAbs(1.0, 1e-6));
+    CHECK_THAT(norm(camera.up), WithinAbs(1.0, 1e-6));
+    CHECK(dot(camera.right, camera.up) == 0.0f);
+    CHECK(pixel_of(camera, target + vec(0.2f, 0.0f, 0.0f))[0] > 321.0f);
+  }
+  Camera const down = look_at(target + 2.5f * up, target, up, 0.6f, 640, 360);
+  CHECK(pixel_of(down, target + vec(0.0f, 0.2f, 0.0f))[1] < 179.0f);
+}
+
 TEST_CASE("the vertical field of view reaches from the first to the last row", "[render][camera]") {
   float const angle = 0.6f;
   Camera const camera = look_at(eye, target, up, angle, 640, 360);

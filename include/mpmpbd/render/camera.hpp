@@ -41,14 +41,17 @@ MPMPBD_HD inline Vec3<float> pixel_ray(Camera const& camera, float column, float
              (0.5f * float(camera.height) - row) * inverse, 1.0f);
 }
 
-// A camera at `eye` that looks at `target` [m], with a vertical field of view [rad]. Any `up` that is
-// not along the line of sight will do; the near plane is a thousandth of the distance.
+// A camera at `eye` that looks at `target` [m], with a vertical field of view [rad]. Up in the picture is what is of
+// `up` across the line of sight, or an axis where nothing is: y when it looks down z. The near plane is a
+// thousandth of the distance.
 inline Camera look_at(Vec3<float> const& eye, Vec3<float> const& target, Vec3<float> const& up,
                       float field_of_view, int width, int height) {
   Camera camera{};
   camera.eye = eye;
   camera.forward = direction(target - eye);
   camera.right = direction(cross(camera.forward, up));
+  if (!(norm(camera.right) > 0.5f))
+    camera.right = cross(camera.forward, any_across(-1.0f * camera.forward));
   camera.up = cross(camera.right, camera.forward);
   float const half = 0.5f * field_of_view;
   camera.focal = 0.5f * float(height) * cos(half) / sin(half);

@@ -27,7 +27,8 @@ struct Studio {
 // side `towards` (from the box to the eye), fill on the right, the box standing on a light ground.
 inline Studio studio(Vec3<float> const& low, Vec3<float> const& high, Vec3<float> const& towards,
                      Vec3<float> const& up) {
-  Vec3<float> const front = direction(towards - dot(towards, up) * up);
+  Vec3<float> front = direction(towards - dot(towards, up) * up);
+  if (!(norm(front) > 0.5f)) front = any_across(up);  // seen from above or below
   Vec3<float> const right = cross(up, front);
   return {.up = up,
           .key = direction(0.85f * up + 0.15f * front - 0.95f * right),
