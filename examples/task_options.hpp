@@ -96,7 +96,10 @@ int run_task(int argc, char** argv, std::string const& about, TaskOptions o, Pro
   CLI11_PARSE(app, argc, argv);
   return detail::guarded([&] {
     detail::read_task(o, config, lines);
-    if (app.count("--seed") == 0) o.seed = o.config.scene.seed;
+    if (app.count("--seed") == 0)
+      o.seed = o.config.scene.seed;
+    else
+      o.config.scene.seed = o.seed;  // the settings that are left repeat the run
     return detail::leave_results(o.out, o.config, [&] {
       return program(static_cast<TaskOptions const&>(o)) || o.unfinished;
     });
