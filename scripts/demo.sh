@@ -33,6 +33,7 @@ if [[ $preset == phantom ]]; then
 fi
 
 status=0
+rm -f "$out/summary.json"  # what is plotted is of this run
 step "stitch" "$stitch" --preset "$preset" --out "$out" || status=$?
 if [[ -f $out/summary.json ]]; then
   step "plot" "$(python_with_matplotlib)" scripts/plot_force_depth.py "$out" || status=1

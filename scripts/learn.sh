@@ -8,6 +8,7 @@ cd "$root"
 build=$build_root/demo
 out=$root/out/learn_insertion
 
+rm -f "$out/learning.csv"  # what is plotted is of this run
 step "set-up" scripts/setup.sh demo --no-cuda
 step "configure" cmake --preset release -B "$build" \
   -DMPMPBD_CUDA=OFF -DMPMPBD_TESTS=OFF -DMPMPBD_BENCH=OFF

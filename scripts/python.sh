@@ -10,7 +10,7 @@ Usage: [PYTHON=/path/to/python] scripts/python.sh [--cuda] [FILE ARGUMENT...]
 
   --cuda   a module that has step loops on CUDA devices, too; without FILE the step loop is on a GPU, and needs PyTorch
   PYTHON   for this Python instead of Debian's: one that has NumPy and what FILE imports
-  FILE     the program to run (examples/11_step_loop.py)
+  FILE     the program to run, in the folder you are in (examples/11_step_loop.py)
 TEXT
 }
 
@@ -26,11 +26,12 @@ if [[ -n ${PYTHON:-} ]]; then
   python=$(cd "$(dirname "$python")" && pwd)/$(basename "$python")
   "$python" -c 'import numpy' || die "PYTHON = '$PYTHON' has no NumPy; install it there"
 fi
+here=$PWD
 cd "$root"
 
 if [[ $cuda == yes ]]; then
   build=$build_root/python-cuda
-  (($#)) || set -- examples/11_step_loop.py --device cuda
+  (($#)) || set -- "$root/examples/11_step_loop.py" --device cuda
   step "set-up" scripts/setup.sh python
   CUDACXX=$(find_nvcc)
   [[ -n $CUDACXX ]] || die "--cuda needs nvcc >= $cuda_minimum, and there is none"
@@ -38,7 +39,7 @@ if [[ $cuda == yes ]]; then
   options=(-DMPMPBD_CUDA=ON -DMPMPBD_CATALOG_CUDA_ALL=OFF "-DCMAKE_CUDA_ARCHITECTURES=$(gpu_architectures)")
 else
   build=$build_root/python
-  (($#)) || set -- examples/11_step_loop.py
+  (($#)) || set -- "$root/examples/11_step_loop.py"
   step "set-up" scripts/setup.sh python --no-cuda
   options=(-DMPMPBD_CUDA=OFF)
 fi
@@ -49,4 +50,5 @@ step "build" cmake --build "$build" -j "$jobs" --target mpmpbd_python
 export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 
 say "PYTHONPATH=$build/python $python $*"
+cd "$here"
 PYTHONPATH=$build/python exec "$python" "$@"
