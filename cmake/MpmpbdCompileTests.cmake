@@ -11,10 +11,15 @@ set(_theirs "$<REMOVE_DUPLICATES:$<FILTER:${_all},EXCLUDE,^(/usr/include|${_ours
 set(MPMPBD_INCLUDE_FLAGS "-I${_ours}" "-I${_tests}"
   "$<$<BOOL:${_theirs}>:-isystem$<SEMICOLON>$<JOIN:${_theirs},$<SEMICOLON>-isystem$<SEMICOLON>>>")
 
-# The compilers a failing program is shown to: the two of Debian where present, and the configured one.
+# The compilers a failing program is shown to: the two of Debian where present, and the configured one, in the place of
+# its namesake, for tests are named after them.
 function(_mpmpbd_find_compilers out)
   set(found "")
+  cmake_path(GET CMAKE_CXX_COMPILER FILENAME configured)
   foreach(name IN ITEMS g++ clang++)
+    if(name STREQUAL configured)
+      continue()
+    endif()
     string(MAKE_C_IDENTIFIER "MPMPBD_FAIL_${name}" variable)
     find_program(${variable} ${name})
     mark_as_advanced(${variable})
