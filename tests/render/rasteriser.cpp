@@ -205,6 +205,34 @@ TEST_CASE("no ray passes between neighbouring triangles", "[render][rasteriser]"
     for (int column = 0; column < image.width; ++column) REQUIRE(reddish(image, column, row));
 }
 
+TEST_CASE("a translucent sheet of many small triangles is as bright as one of two large ones",
+          "[render][rasteriser]") {
+  // Several triangles in a pixel: neighbours in a row share vertices, the first and the last of it do not.
+  int const n = 211;
+  Mesh fine;
+  std::vector<int> grid;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      grid.push_back(int(fine.positions.size()));
+      fine.positions.push_back(vec(0.4f * (float(i) / float(n - 1) - 0.5f), 0.0f,
+                                   0.4f * (float(j) / float(n - 1) - 0.5f)));
+    }
+  append_grid(fine, grid, n);
+  compute_normals(fine);
+  Mesh const coarse = square_at(0.0f, 0.2f);
+  Finish skin = tissue(0.1f);
+  skin.mottle = skin.bump = 0.0f;
+  Camera const camera = front(80, 64);
+  Image const small = drawn(camera, plain(), {{&fine, skin}});
+  Image const large = drawn(camera, plain(), {{&coarse, skin}});
+  for (int row = 8; row < 56; ++row)
+    for (int column = 8; column < 72; ++column)
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::size_t const at = 3 * small.pixel(column, row) + k;
+        REQUIRE(std::abs(int(small.rgb[at]) - int(large.rgb[at])) <= 2);
+      }
+}
+
 TEST_CASE("a closed body looks the same with and without its inner side", "[render][rasteriser]") {
   stitch_scene::Scene scene = stitch_scene::make();
   Camera const camera = stitch_scene::camera(160, 120);

@@ -170,7 +170,9 @@ class Rasteriser {
       float r = 0.0f;
       float count = 0.0f;
       for (int other = s; other < samples; ++other) {
-        if (opaque[other] != opaque[s] || !smooth_across(picture, veil[other], veil[s])) continue;
+        if (done[other] || opaque[other] != opaque[s] ||
+            !smooth_across(picture, veil[other], veil[s]))
+          continue;
         done[other] = true;
         c += sample_column[other];
         r += sample_row[other];
