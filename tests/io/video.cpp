@@ -71,7 +71,7 @@ TEST_CASE("pictures of an earlier, longer video do not stay among the new ones",
 TEST_CASE("the encoder gets every byte of every frame in order", "[io][video]") {
   Scratch const scratch;
   // The last argument is the file to write.
-  Path const encoder = script(scratch, "for last; do :; done; exec cat > \"$last\"");
+  Path const encoder = script(scratch, "for last; do :; done; exec cat > \"${last#file:}\"");
   Path const path = scratch / "a video's name.mp4";
   std::string expected;
   Video video(path, 64, 48, 25.0, encoder.string());
@@ -83,6 +83,30 @@ TEST_CASE("the encoder gets every byte of every frame in order", "[io][video]") 
   CHECK_FALSE(std::filesystem::exists(path));
   CHECK_THAT(video.finish(), Contains("wrote 40 frames"));
   CHECK(read_file(path) == expected);
+}
+
+TEST_CASE("the encoder is told a file, whatever colons its name has", "[io][video]") {
+  Scratch const scratch;
+  Path const encoder =
+      script(scratch, "for last; do :; done; cat > /dev/null; echo \"$last\" > \"${last#file:}\"");
+  Path const path = scratch / "10:30.mp4";
+  Video video(path, 6, 4, 25.0, encoder.string());
+  video.add(frame(0));
+  video.finish();
+  CHECK(read_file(path) == "file:" + path.string() + ".part\n");
+}
+
+TEST_CASE("a video without frames leaves the one before as it was", "[io][video]") {
+  Scratch const scratch;
+  Path const encoder = script(scratch, "for last; do :; done; exec cat > \"${last#file:}\"");
+  Path const path = scratch / "stitch.mp4";
+  write_file(path, "an older video");
+  {
+    Video video(path, 6, 4, 25.0, encoder.string());
+    CHECK_THAT(video.finish(), Contains("it was given no frame"));
+  }
+  CHECK(read_file(path) == "an older video");
+  CHECK(scratch.files() == 2);  // it and the script
 }
 
 TEST_CASE("an encoder that fails is reported with its own words and leaves no video",

@@ -116,8 +116,9 @@ class Video {
     ++count_;
   }
 
-  // Completes the video and tells in one sentence what was written.
+  // Completes the video and tells in one sentence what was written; without a frame, what was there before stays.
   std::string finish() {
+    if (count_ == 0) return fmt::format("no video '{}': it was given no frame", path_.string());
     if (!encoder_.running())
       return fmt::format(
           "{} is not on the PATH: wrote {} frames to '{}'; install it and join them with: ffmpeg -framerate {} -i '{}' -pix_fmt yuv420p '{}'",
@@ -139,7 +140,8 @@ class Video {
     // The format halves the resolution of colours: odd sizes get one more line.
     if (width_ % 2 != 0 || height_ % 2 != 0)
       words.insert(words.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"});
-    words.insert(words.end(), {"-movflags", "+faststart", "-f", "mp4", part_.string()});
+    // What comes before a colon in a name would be taken for a protocol.
+    words.insert(words.end(), {"-movflags", "+faststart", "-f", "mp4", "file:" + part_.string()});
     return words;
   }
 
