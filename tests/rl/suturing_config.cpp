@@ -56,6 +56,23 @@ TEST_CASE("a value that cannot be is refused with its bound", "[rl][suturing][co
   }
 }
 
+TEST_CASE("no part of the needle begins in tissue, however it is turned",
+          "[rl][suturing][config][errors]") {
+  // A long arc that hangs lower between its ends than at any of them.
+  std::vector<std::string> lines{"needle.angle_deg=200.0", "random.turn_deg=80.0",
+                                 "random.height_m=9.0"};
+  auto const c = test::suturing_config("coarse.toml", lines);
+  double const least = c.scene.tissue.top()[2] + c.scene.needle.wire_radius +
+                       c.scene.needle.radius * c.random.needle_radius -
+                       c.scene.script().start.position[2] + c.random.shift;
+  auto const with = [&](double height) {
+    lines.back() = "random.height_m=" + std::to_string(height);
+    test::suturing_config("coarse.toml", lines);
+  };
+  CHECK_THAT(complaint<ConfigError>([&] { with(least - 1e-3); }), Catch::Contains("height_m"));
+  CHECK_NOTHROW(with(least + 1e-3));
+}
+
 TEST_CASE("who is not strict may take substeps too long for the stiffest tissue",
           "[rl][suturing][config]") {
   std::vector<std::string> lines{"random.modulus_factor=9.0"};

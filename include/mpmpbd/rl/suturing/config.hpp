@@ -154,14 +154,18 @@ struct SuturingTaskConfig {
     double const turn = std::atan2(tip[2], tip[0]);
     double const range = random.turn_deg * pi<double> / 180.0;
     double const radius = scene.needle.radius * random.needle_radius;
-    double lowest = 0.0;
-    for (double end : {0.0, -scene.needle.angle()})
-      for (double way : {-range, 0.0, range})
-        lowest = std::min(lowest, radius * std::sin(turn + end + way));
+    double const lowest =
+        radius * std::min(0.0, least_sine(turn - scene.needle.angle() - range, turn + range));
     double const least = scene.tissue.top()[2] + scene.needle.wire_radius - lowest -
                          start.position[2] + random.shift;
     rules.number("random.height_m", random.height, {.low = least},
-                 "both ends of the lowest, most turned needle begin above the tissue");
+                 "the lowest, most turned needle begins above the tissue");
+  }
+  // Of the angles from a to b [rad].
+  static double least_sine(double a, double b) {
+    double const bottom =
+        2.0 * pi<double> * std::ceil(a / (2.0 * pi<double>)+0.25) - 0.5 * pi<double>;
+    return bottom <= b ? -1.0 : std::min(std::sin(a), std::sin(b));
   }
 };
 
