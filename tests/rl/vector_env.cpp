@@ -179,6 +179,28 @@ TEST_CASE("episodes differ, seeds differ, the same seed does not", "[rl][vector_
   CHECK(goal(0) != first);
 }
 
+TEST_CASE("an episode that was asked for has its own numbers from the start", "[rl][vector_env]") {
+  Envs envs(settings(), {.num_envs = 2, .seed = 5});
+  auto const terms = std::size_t{Envs::term_count}, metrics = std::size_t{Envs::metric_count};
+  std::vector<float> const at_start(envs.outcome().metrics.begin(),
+                                    envs.outcome().metrics.begin() + std::ptrdiff_t(metrics));
+  for (int i = 0; i < 5; ++i) envs.step(wander(envs));
+  auto const before = envs.outcome();
+  CHECK(before.episode_length == std::vector<std::int32_t>(2, 5));
+  auto const paid = [&](std::size_t env) {
+    auto const first = envs.outcome().returns.begin() + std::ptrdiff_t(env * terms);
+    return std::any_of(first, first + std::ptrdiff_t(terms), [](float r) { return r != 0; });
+  };
+  CHECK(paid(0));
+  envs.reset(std::vector<unsigned char>{1, 0});
+  CHECK(envs.outcome().episode_length == std::vector<std::int32_t>{0, 5});
+  CHECK_FALSE(paid(0));
+  CHECK(paid(1));
+  CHECK(envs.outcome().reward[1] == before.reward[1]);
+  envs.start(0, 1);
+  CHECK(std::equal(at_start.begin(), at_start.end(), envs.outcome().metrics.begin()));
+}
+
 TEST_CASE("an episode can be that of another environment", "[rl][vector_env]") {
   Envs envs(settings(), {.num_envs = 3, .seed = 5}), alone(settings(), {.num_envs = 1, .seed = 5});
   envs.start(2, 7);

@@ -95,6 +95,16 @@ template <class Task, class Env> struct EpisodeControl {
     return {episode, rules.first_environment + env};
   }
 
+  // What the episode has come to so far.
+  MPMPBD_HD void report() const {
+    out.status[env] = status();
+    out.episode_length[env] = static_cast<std::int32_t>(decisions());
+    auto const sums = get_vector<typename Task::Returns>(fields, 0);
+    for (int k = 0; k < out.term_count; ++k)
+      out.returns[env * out.term_count + k] = static_cast<float>(sums[k]);
+    measure(out.metrics + env * out.metric_count, typename Task::Metrics{});
+  }
+
  private:
   MPMPBD_HD auto context() const {
     return load_context<typename Task::Scene::Policies>(fields, lattice);
@@ -159,14 +169,6 @@ template <class Task, class Env> struct EpisodeControl {
       out.reward[env] += term;
     }
     return true;
-  }
-  MPMPBD_HD void report() const {
-    out.status[env] = status();
-    out.episode_length[env] = static_cast<std::int32_t>(decisions());
-    auto const sums = get_vector<typename Task::Returns>(fields, 0);
-    for (int k = 0; k < out.term_count; ++k)
-      out.returns[env * out.term_count + k] = static_cast<float>(sums[k]);
-    measure(out.metrics + env * out.metric_count, typename Task::Metrics{});
   }
   template <class... Ms> MPMPBD_HD void measure([[maybe_unused]] float* to, TypeList<Ms...>) const {
     [[maybe_unused]] auto const now = context();

@@ -47,7 +47,8 @@ struct OutcomeArrays {
 };
 
 // (num_envs) each; `terms` and `returns` are (num_envs, terms), `metrics` is (num_envs, metrics).
-// All are of the episode that acted, also where a new one has begun since.
+// All are of the episode that acted, also where a new one has begun by itself since. Of one that was asked for
+// (reset, start), they are what it has come to so far: nothing.
 struct StepOutcome {
   std::vector<float> reward, terms;
   std::vector<float> returns;  // sums of the terms so far

@@ -64,7 +64,7 @@ class VectorEnv : public EnvSettings<Task_> {
     return arrays<Group>().shape;
   }
 
-  // Starts a new episode: in all environments, ...
+  // Starts a new episode, whose numbers outcome() has then: in all environments, ...
   void reset() {
     backend_.for_each(num_envs(), [&](std::int64_t env, int lane) { restart(env, lane); });
   }
@@ -156,6 +156,7 @@ class VectorEnv : public EnvSettings<Task_> {
   void begin(std::int64_t env, Beginning const& it, int lane) {
     out_.arrays().clear(env);
     carry_out(env, it, lane);
+    control(env, lane).report();
   }
   void restart(std::int64_t env, int lane) { begin(env, control(env, lane).next(), lane); }
 

@@ -72,7 +72,9 @@ __global__ void __launch_bounds__(128)
   if (!__syncthreads_or(next.episode > 0)) return;
   launch.run.now.copy_environment(env, launch.run.remembered, env);
   __syncthreads();
-  if (threadIdx.x == 0) launch.control(env).begin(next);
+  if (threadIdx.x != 0) return;
+  launch.control(env).begin(next);
+  if (moment == Moment::begin) launch.control(env).report();
 }
 
 // One piece of memory for all arrays.
