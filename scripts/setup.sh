@@ -69,11 +69,24 @@ install_debian() {
     install -y --no-install-recommends "${missing[@]}"
 }
 
+# fill <folder> <command>: the folder is there afterwards if the command succeeded, and not otherwise, also when the
+# set-up is interrupted: what is half there would be taken for whole the next time.
+filling=
+trap '[[ -z $filling ]] || rm -rf "$filling"' EXIT
+fill() {
+  local status=0
+  filling=$1
+  rm -rf "$filling"
+  "$2" || status=$?
+  ((status == 0)) || rm -rf "$filling"
+  filling=
+  return "$status"
+}
+
 # The compiler as wheels. pip lays them out as site-packages/nvidia/cu13, which is a toolkit but for
 # two names that the linker and CMake look for.
 install_cuda_wheels() {
   local toolkit
-  rm -rf "$cuda_wheels"
   python3 -m venv "$cuda_wheels" &&
     timeout 600 "$cuda_wheels/bin/pip" install --quiet --disable-pip-version-check --no-deps \
       nvidia-cuda-nvcc==13.0.88 nvidia-cuda-crt==13.0.88 nvidia-nvvm==13.0.88 \
@@ -90,7 +103,6 @@ install_cuda_wheels() {
 
 # What reads machine code (6 MB).
 install_cuda_reader() {
-  rm -rf "$cuda_reader"
   python3 -m venv "$cuda_reader" &&
     timeout 120 "$cuda_reader/bin/pip" install --quiet --disable-pip-version-check --no-deps \
       --retries 1 nvidia-cuda-cuobjdump==13.2.51 nvidia-cuda-nvdisasm==13.2.51
@@ -98,12 +110,8 @@ install_cuda_reader() {
 
 # Gymnasium is not in Debian. The module goes without; its spaces and the tests of them do not.
 install_gymnasium() {
-  [[ -x $python_venv/bin/python ]] && return
-  if ! { /usr/bin/python3 -m venv --system-site-packages "$python_venv" &&
-    timeout 120 "$python_venv/bin/pip" install --quiet --disable-pip-version-check 'gymnasium>=1.1'; }; then
-    rm -rf "$python_venv"
-    say "no Gymnasium: its tests are skipped"
-  fi
+  /usr/bin/python3 -m venv --system-site-packages "$python_venv" &&
+    timeout 120 "$python_venv/bin/pip" install --quiet --disable-pip-version-check 'gymnasium>=1.1'
 }
 
 if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
@@ -112,8 +120,8 @@ else
   say "not a Debian machine: please provide what these packages hold: ${packages[*]}"
 fi
 
-if is_for python; then
-  install_gymnasium
+if is_for python && [[ ! -x $python_venv/bin/python ]]; then
+  fill "$python_venv" install_gymnasium || say "no Gymnasium: its tests are skipped"
 fi
 
 if [[ $cuda == yes ]]; then
@@ -123,13 +131,12 @@ if [[ $cuda == yes ]]; then
     if command -v apt-get >/dev/null; then
       install_debian python3-venv
     fi
-    install_cuda_wheels || rm -rf "$cuda_wheels"
+    fill "$cuda_wheels" install_cuda_wheels || true
     nvcc=$(find_nvcc)
   fi
   if [[ -n $nvcc ]]; then
     say "CUDA compiler: $nvcc ($(nvcc_version "$nvcc"))"
-    if is_for ci && [[ -z $(find_cuobjdump) ]] && ! install_cuda_reader; then
-      rm -rf "$cuda_reader"
+    if is_for ci && [[ -z $(find_cuobjdump) ]] && ! fill "$cuda_reader" install_cuda_reader; then
       die "no cuobjdump from the toolkit or from PyPI: CI looks at the machine code of kernels"
     fi
   else
