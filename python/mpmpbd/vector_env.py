@@ -153,7 +153,8 @@ class SuturingVectorEnv(_VectorEnv):
             if self._lies_here(mask):
                 self._loop.reset_where_from(mask)
             else:
-                self._loop.reset_where(np.ascontiguousarray(mask, dtype=np.bool_).view(np.uint8))
+                given = np.ascontiguousarray(mask)  # not cast: numbers of environments are no mask
+                self._loop.reset_where(given.view(np.uint8) if given.dtype == np.bool_ else given)
         elif seed is not None:
             self._loop.reset(operator.index(seed))
         elif not self._at_start:

@@ -182,6 +182,7 @@ class Refusals(unittest.TestCase):
             (lambda: env.live("atom"), "no domain 'atom'; there are environment, particle"),
             (lambda: env.start(5, 1), r"start\(5, 1, 5\); there are environments 0 to 1"),
             (lambda: env.reset(options={"reset_mask": [True]}), r"a mask of bool or uint8 and shape \(2\) is needed; given are \(1\)"),
+            (lambda: env.reset(options={"reset_mask": [0, 1]}), r"a mask of bool or uint8 and shape \(2\) is needed"),
             (lambda: env.reset(seed=1, options={"reset_mask": [True, False]}), "seed or reset_mask"),
             (lambda: make(0), "num_envs = 0; give at least 1"),
             (lambda: make(threads=-1), "threads = -1; give 0 for as many"),
