@@ -88,7 +88,7 @@ TEST_CASE("the encoder gets every byte of every frame in order", "[io][video]") 
 TEST_CASE("the encoder is told a file, whatever colons its name has", "[io][video]") {
   Scratch const scratch;
   Path const encoder =
-      script(scratch, "for last; do :; done; cat > /dev/null; echo \"$last\" > \"${last#file:}\"");
+      script(scratch, R"(for last; do :; done; cat > /dev/null; echo "$last" > "${last#file:}")");
   Path const path = scratch / "10:30.mp4";
   Video video(path, 6, 4, 25.0, encoder.string());
   video.add(frame(0));

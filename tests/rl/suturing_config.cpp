@@ -78,6 +78,6 @@ TEST_CASE("who is not strict may take substeps too long for the stiffest tissue"
   std::vector<std::string> lines{"random.modulus_factor=9.0"};
   auto const read = [&] { test::suturing_config("coarse.toml", lines); };
   CHECK_THAT(complaint<ConfigError>(read), Catch::Contains("time.strict = false"));
-  lines.push_back("time.strict=false");
+  lines.emplace_back("time.strict=false");
   CHECK_NOTHROW(read());
 }
