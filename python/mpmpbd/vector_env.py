@@ -142,7 +142,7 @@ class SuturingVectorEnv(_VectorEnv):
         self._info = outcome
 
     def reset(self, *, seed=None, options=None):
-        """New episodes: everywhere, from the first one of another seed, or where options["reset_mask"] is true.
+        """New episodes: everywhere, from the first one of another seed, or where options["reset_mask"], (num_envs) of bool or uint8, is true.
 
         Before the first step nothing has to begin: all environments are at the start of their first episode.
         """

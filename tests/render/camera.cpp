@@ -1,4 +1,5 @@
 #include <mpmpbd/render/camera.hpp>
+#include <mpmpbd/render/studio.hpp>
 
 #include "../catch.hpp"
 
@@ -39,6 +40,13 @@ TEST_CASE("a camera that looks straight down has y at the top and x on the right
   }
   Camera const down = look_at(target + 2.5f * up, target, up, 0.6f, 640, 360);
   CHECK(pixel_of(down, target + vec(0.0f, 0.2f, 0.0f))[1] < 179.0f);
+}
+
+TEST_CASE("seen from straight above, a scene is lit from two sides", "[render][camera]") {
+  Studio const s = studio(vec(-1.0f, -1.0f, -1.0f), vec(1.0f, 1.0f, 1.0f), up, up);
+  CHECK(norm(cross(s.key, up)) > 0.5f);
+  CHECK(norm(cross(s.fill, up)) > 0.5f);
+  CHECK(dot(s.key, s.fill) < 0.5f);
 }
 
 TEST_CASE("the vertical field of view reaches from the first to the last row", "[render][camera]") {

@@ -117,7 +117,7 @@ class VectorEnv : public EnvSettings<Task_> {
     return out_;
   }
   StepOutcome const& outcome() const { return out_; }
-  // One metric of the last step, by its type.
+  // One metric of outcome(), by its type.
   template <class Metric> float metric(std::int64_t env) const {
     return out_.metrics[Base::template metric_index<Metric>(env)];
   }
