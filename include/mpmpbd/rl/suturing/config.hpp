@@ -163,8 +163,8 @@ struct SuturingTaskConfig {
   }
   // Of the angles from a to b [rad].
   static double least_sine(double a, double b) {
-    double const bottom =
-        2.0 * pi<double> * std::ceil(a / (2.0 * pi<double>)+0.25) - 0.5 * pi<double>;
+    constexpr double round = 2.0 * pi<double>;
+    double const bottom = (std::ceil(a / round + 0.25) - 0.25) * round;  // the first from a on
     return bottom <= b ? -1.0 : std::min(std::sin(a), std::sin(b));
   }
 };
