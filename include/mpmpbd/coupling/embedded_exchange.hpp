@@ -36,26 +36,34 @@ MPMPBD_HD auto sheet_columns(BodyCounts const& n, Lattice<T> const& lattice, Int
   return make_columns(Vec<T, 2>{}, lattice.dx, n.column_count[0], n.column_count[1],
                       T(0.25) * lattice.dx, first, item, n.column_items());
 }
+// Where a vertex is along x and y [m].
+template <class S> MPMPBD_HD auto along_columns(S const& sheet, int vertex) {
+  auto const x = sheet.vertex(vertex);
+  return Vec<typename decltype(x)::Scalar, 2>{{x[0], x[1]}};
+}
 // Lists the triangles over the columns.
 template <class Team_, class S, class C, class Arrays>
 MPMPBD_HD std::uint32_t list_triangles(Team_ const& team, S const& sheet, C const& columns,
                                        Arrays const& a) {
   team.one([&] { *a.moved_vertices = 0; });
-  team.each(static_cast<int>(sheet.vertices), [&](int i) {
-    auto const x = sheet.vertex(i);
-    a.listed_at[i] = {{x[0], x[1]}};
-  });
+  each_loaded<8>(
+      team, static_cast<int>(sheet.vertices), [&](int i) { return along_columns(sheet, i); },
+      [&](int i, auto const& x) { a.listed_at[i] = x; });
   return columns.build(team, sheet);
 }
 // And anew where a vertex has moved by more than the lists allow for since.
 template <class Team_, class S, class C, class Arrays>
 MPMPBD_HD std::uint32_t renew_lists(Team_ const& team, S const& sheet, C const& columns,
                                     Arrays const& a) {
-  team.each(static_cast<int>(sheet.vertices), [&](int i) {
-    auto const x = sheet.vertex(i);
-    auto const y = a.listed_at[i];
-    if (max(abs(x[0] - y[0]), abs(x[1] - y[1])) > columns.margin) team.add(*a.moved_vertices, 1);
-  });
+  each_loaded<8>(
+      team, static_cast<int>(sheet.vertices),
+      [&](int i) {
+        auto const d = along_columns(sheet, i) - a.listed_at[i];
+        return max(abs(d[0]), abs(d[1])) > columns.margin;
+      },
+      [&](int, bool moved) {
+        if (moved) team.add(*a.moved_vertices, 1);
+      });
   team.sync();
   if (*a.moved_vertices == 0) return 0;
   team.sync();

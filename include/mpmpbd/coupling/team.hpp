@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include <mpmpbd/core/config.hpp>
+#include <mpmpbd/core/math.hpp>
 
 namespace mpmpbd {
 
@@ -77,5 +78,21 @@ struct Solo {
 };
 
 static_assert(Team<Solo> && Group<Solo>);
+
+// use(i, load(i)) of 0 ... n-1, spread over the lanes, in no order. A lane loads for several before it uses one: what comes from
+// the memory of a device is on its way together.
+template <int at_once, class Team_, class Load, class Use>
+MPMPBD_HD void each_loaded(Team_ const& team, int n, Load const& load, Use const& use) {
+  int const share = (n + at_once - 1) / at_once;
+  team.each(share, [&](int first) {
+    decltype(load(0)) loaded[at_once];
+    for (int k = 0; k < at_once; ++k) loaded[k] = load(min(first + k * share, n - 1));
+    for (int k = 0; k < at_once; ++k) {
+      int const i = first + k * share;
+      if (i >= n) break;
+      use(i, loaded[k]);
+    }
+  });
+}
 
 }  // namespace mpmpbd

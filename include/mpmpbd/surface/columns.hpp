@@ -81,10 +81,7 @@ template <class T, class Firsts, class Items> struct Columns {
     // they are listed, and that entry is the place of the next one, until it is where the next column's list begins.
     MPMPBD_NO_UNROLL
     for (bool listing = false;; listing = true) {
-      for_each_overlap(team, sheet, [&](int k, std::int64_t c) {
-        std::int64_t const place = add(team, c + 1);
-        if (listing) item.set(place, k);
-      });
+      visit_overlaps(team, sheet, listing);
       team.sync();
       if (listing) return 0u;
       team.groups(1, [&](auto const& group, int) { number_items(group); });
@@ -117,55 +114,75 @@ template <class T, class Firsts, class Items> struct Columns {
   template <class Group_> MPMPBD_HD void number_items(Group_ const& group) const {
     Piece const mine = group.part(static_cast<int>(columns()));
     int own = 0;
-    // A device has several of them on their way.
-#if defined(__CUDA_ARCH__)
-#pragma unroll 8
-#endif
-    for (int c = mine.first; c < mine.end; ++c) own += static_cast<int>(first(c + 1));
+    for_each_count(mine, [&](int, int of_column) { own += of_column; });
     int sum = group.sum_before(own);
     bool const fits = group.sum(own) <= capacity;
-#if defined(__CUDA_ARCH__)
-#pragma unroll 8
-#endif
-    for (int c = mine.first; c < mine.end; ++c) {
-      int const of_column = static_cast<int>(first(c + 1));
+    for_each_count(mine, [&](int c, int of_column) {
       first.set(c + 1, sum);
       sum += of_column;
-    }
+    });
     if (!fits) group.one([&] { first.set(0, 1); });
   }
-
-  // The columns that a triangle lies over: from low to high, along x and y.
-  struct Range {
-    int low[2], high[2];
-  };
-  template <class S> MPMPBD_HD Range columns_over(S const& sheet, std::int64_t k) const {
-    auto const t = sheet.triangle(k);
-    Range r;
-    for (int a = 0; a < 2; ++a) {
-      r.low[a] = column(a, min(t.a[a], min(t.b[a], t.c[a])) - margin);
-      r.high[a] = column(a, max(t.a[a], max(t.b[a], t.c[a])) + margin);
+  // Calls f(column, what stands in the entry after its own) in their order. A device has several of them on their way.
+  template <class F> MPMPBD_HD void for_each_count(Piece const& some, F const& f) const {
+    constexpr int at_once = 8;
+    MPMPBD_NO_UNROLL
+    for (int c = some.first; c < some.end; c += at_once) {
+      int counts[at_once];
+      for (int n = 0; n < at_once; ++n)
+        counts[n] = static_cast<int>(first(min(c + n, some.end - 1) + 1));
+      for (int n = 0; n < at_once; ++n)
+        if (c + n < some.end) f(c + n, counts[n]);
     }
-    return r;
   }
-  // Calls f(triangle, column) for every triangle and every column that it lies over. A lane looks at four before it calls for
-  // one: their corners come from the memory of a device, and are on their way together.
-  template <class Team_, class S, class F>
-  MPMPBD_HD void for_each_overlap(Team_ const& team, S const& sheet, F const& f) const {
+
+  // A walk over the columns that a triangle lies over, row by row.
+  struct Walk {
+    int i, j, low, high, last_row;
+    MPMPBD_HD bool goes_on() const { return j <= last_row; }
+    MPMPBD_HD void next() {
+      i += 1;
+      if (i <= high) return;
+      i = low;
+      j += 1;
+    }
+  };
+  template <class S> MPMPBD_HD Walk walk_over(S const& sheet, std::int64_t k) const {
+    auto const t = sheet.triangle(k);
+    int low[2], high[2];
+    for (int a = 0; a < 2; ++a) {
+      low[a] = column(a, min(t.a[a], min(t.b[a], t.c[a])) - margin);
+      high[a] = column(a, max(t.a[a], max(t.b[a], t.c[a])) + margin);
+    }
+    return {low[0], low[1], low[0], high[0], high[1]};
+  }
+  // Adds every triangle to every column that it lies over: counts it, or lists it. A lane goes along with four at once: what it
+  // waits for, their corners and their places, comes from the memory of a device and is on its way together.
+  template <class Team_, class S>
+  MPMPBD_HD void visit_overlaps(Team_ const& team, S const& sheet, bool listing) const {
     constexpr int at_once = 4;
     int const triangles = static_cast<int>(sheet.triangles);
     int const quarter = (triangles + at_once - 1) / at_once;
     team.each(quarter, [&](int first_of_four) {
-      Range over[at_once];
-      for (int n = 0; n < at_once; ++n)
-        over[n] = columns_over(sheet, min(first_of_four + n * quarter, triangles - 1));
+      auto const triangle = [&](int n) { return first_of_four + n * quarter; };
+      Walk over[at_once];
       for (int n = 0; n < at_once; ++n) {
-        int const k = first_of_four + n * quarter;
-        if (k >= triangles) break;
-        MPMPBD_NO_UNROLL
-        for (int j = over[n].low[1]; j <= over[n].high[1]; ++j) {
-          MPMPBD_NO_UNROLL
-          for (int i = over[n].low[0]; i <= over[n].high[0]; ++i) f(k, index(i, j));
+        over[n] = walk_over(sheet, min(triangle(n), triangles - 1));
+        if (triangle(n) >= triangles) over[n].last_row = -1;
+      }
+      auto const goes_on = [&] {
+        bool any = false;
+        for (int n = 0; n < at_once; ++n) any = any || over[n].goes_on();
+        return any;
+      };
+      MPMPBD_NO_UNROLL
+      while (goes_on()) {
+        std::int64_t place[at_once];
+        for (int n = 0; n < at_once; ++n)
+          place[n] = over[n].goes_on() ? add(team, index(over[n].i, over[n].j) + 1) : -1;
+        for (int n = 0; n < at_once; ++n) {
+          if (listing && place[n] >= 0) item.set(place[n], triangle(n));
+          over[n].next();
         }
       }
     });
