@@ -49,6 +49,22 @@ TEST_CASE("every number goes to one group of a team", "[cuda][team]") {
 }
 
 // Teams of 64 threads of a block of 160, of which the last 32 belong to none.
+TEST_CASE("what is loaded ahead for a number is used with that number, once", "[cuda][team]") {
+  for (unsigned seed : {1u, 2u}) {
+    emulated::seed = seed;
+    for (int n : {0, 1, 7, 8, 9, 255, 256, 257, 2100}) {
+      CAPTURE(n);
+      std::vector<int> used(static_cast<std::size_t>(n));
+      run_block(32, [&] {
+        each_loaded<8>(
+            BlockTeam{}, n, [&](int i) { return i < n ? 3 * i + 1 : -1; },
+            [&](int i, int loaded) { used[static_cast<std::size_t>(i)] += loaded - 3 * i; });
+      });
+      CHECK(used == std::vector<int>(static_cast<std::size_t>(n), 1));
+    }
+  }
+}
+
 TEST_CASE("teams of a block work side by side and meet at barriers of their own", "[cuda][team]") {
   for (unsigned seed : {1u, 2u, 3u}) {
     emulated::seed = seed;
