@@ -48,7 +48,6 @@ TEST_CASE("every number goes to one group of a team", "[cuda][team]") {
   }
 }
 
-// Teams of 64 threads of a block of 160, of which the last 32 belong to none.
 TEST_CASE("what is loaded ahead for a number is used with that number, once", "[cuda][team]") {
   for (unsigned seed : {1u, 2u}) {
     emulated::seed = seed;
@@ -65,6 +64,7 @@ TEST_CASE("what is loaded ahead for a number is used with that number, once", "[
   }
 }
 
+// Teams of 64 threads of a block of 160, of which the last 32 belong to none.
 TEST_CASE("teams of a block work side by side and meet at barriers of their own", "[cuda][team]") {
   for (unsigned seed : {1u, 2u, 3u}) {
     emulated::seed = seed;
