@@ -55,7 +55,7 @@ MPMPBD_HD std::uint32_t list_triangles(Team_ const& team, S const& sheet, C cons
 template <class Team_, class S, class C, class Arrays>
 MPMPBD_HD std::uint32_t renew_lists(Team_ const& team, S const& sheet, C const& columns,
                                     Arrays const& a) {
-  each_loaded<8>(
+  each_loaded<16>(
       team, static_cast<int>(sheet.vertices),
       [&](int i) {
         auto const d = along_columns(sheet, i) - a.listed_at[i];

@@ -156,36 +156,18 @@ template <class T, class Firsts, class Items> struct Columns {
     }
     return {low[0], low[1], low[0], high[0], high[1]};
   }
-  // Adds every triangle to every column that it lies over: counts it, or lists it. A lane goes along with four at once: what it
-  // waits for, their corners and their places, comes from the memory of a device and is on its way together.
+  // Adds every triangle to every column that it lies over: counts it, or lists it.
   template <class Team_, class S>
   MPMPBD_HD void visit_overlaps(Team_ const& team, S const& sheet, bool listing) const {
-    constexpr int at_once = 4;
-    int const triangles = static_cast<int>(sheet.triangles);
-    int const quarter = (triangles + at_once - 1) / at_once;
-    team.each(quarter, [&](int first_of_four) {
-      auto const triangle = [&](int n) { return first_of_four + n * quarter; };
-      Walk over[at_once];
-      for (int n = 0; n < at_once; ++n) {
-        over[n] = walk_over(sheet, min(triangle(n), triangles - 1));
-        if (triangle(n) >= triangles) over[n].last_row = -1;
-      }
-      auto const goes_on = [&] {
-        bool any = false;
-        for (int n = 0; n < at_once; ++n) any = any || over[n].goes_on();
-        return any;
-      };
-      MPMPBD_NO_UNROLL
-      while (goes_on()) {
-        std::int64_t place[at_once];
-        for (int n = 0; n < at_once; ++n)
-          place[n] = over[n].goes_on() ? add(team, index(over[n].i, over[n].j) + 1) : -1;
-        for (int n = 0; n < at_once; ++n) {
-          if (listing && place[n] >= 0) item.set(place[n], triangle(n));
-          over[n].next();
-        }
-      }
-    });
+    each_loaded<4>(
+        team, static_cast<int>(sheet.triangles), [&](int k) { return walk_over(sheet, k); },
+        [&](int k, Walk over) {
+          MPMPBD_NO_UNROLL
+          for (; over.goes_on(); over.next()) {
+            std::int64_t const place = add(team, index(over.i, over.j) + 1);
+            if (listing) item.set(place, k);
+          }
+        });
   }
 };
 
