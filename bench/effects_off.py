@@ -126,12 +126,12 @@ def listing(options, folder, declarations, parts, headers):
     return read("-sass"), read("-res-usage")
 
 
-def program(options, folder, declarations, parts, headers, parameters):
-    """A program that prints what a step of the scene takes."""
+def program(options, folder, declarations, parts, headers, parameters, prints="print_step_time"):
+    """A program that prints what a step of the scene takes, or what else step_of_scene.hpp can print."""
     path = folder / "time"
     text = "#include \"step_of_scene.hpp\"\n" + source_of(declarations, parts, headers)
     text += "int main(int argc, char** argv) {\n  using namespace mpmpbd;\n"
-    text += "  return measured::print_step_time<measured::Measured>(argc, argv, [](auto& run) {\n"
+    text += f"  return measured::{prints}<measured::Measured>(argc, argv, [](auto& run) {{\n"
     text += "".join(f"    run.template set<{name}>(0, {value});\n" for name, value in parameters.items())
     compile_scene(options, folder / "time.cu", text + "  });\n}\n", "-o", str(path))
     return path
@@ -162,8 +162,12 @@ def row_of(name, own, with_all):
     return [name, registers, stack, end - first, moved("LDG"), moved("STG"), additions, "yes" if step == again else "NO"]
 
 
+def run(path):
+    return subprocess.run([str(path)], check=True, capture_output=True, text=True).stdout
+
+
 def time_of(path):
-    mean, deviation = subprocess.run([str(path)], check=True, capture_output=True, text=True).stdout.split()
+    mean, deviation = run(path).split()
     return f"{float(mean):.3f} +- {float(deviation):.3f}"
 
 
@@ -193,29 +197,43 @@ def device():
     return subprocess.run(query, check=True, capture_output=True, text=True).stdout.split("\n")[0].replace(", ", ", driver ")
 
 
+def commit():
+    query = ["git", "-C", str(ROOT), "describe", "--always", "--dirty"]
+    return subprocess.run(query, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def compiler(options):
+    version = subprocess.run([options.nvcc, "--version"], check=True, capture_output=True, text=True).stdout
+    return re.search(r"V([\d.]+)", version)[1]
+
+
+def table(columns, rows):
+    lines = ["| " + " | ".join(map(str, row)) + " |" for row in [columns, ["---"] * len(columns)] + rows]
+    return "\n".join(lines) + "\n"
+
+
 def write(options, rows):
     out = pathlib.Path(options.out)
     columns = COLUMNS + (TIME if options.time else [])
     with open(out / "effects_off.csv", "w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([columns] + rows)
-    commit = subprocess.run(
-        ["git", "-C", str(ROOT), "describe", "--always", "--dirty"], check=True, capture_output=True, text=True
-    ).stdout.strip()
-    compiler = re.search(r"V([\d.]+)", subprocess.run([options.nvcc, "--version"], capture_output=True, text=True).stdout)
-    table = ["| " + " | ".join(map(str, row)) + " |" for row in [columns, ["---"] * len(columns)] + rows]
     text = (ROOT / "bench" / "effects_off_head.md").read_text(encoding="utf-8")
     times = f"Times: on an {device()}." if options.time else "Times were not taken."
-    text = text.format(arch=options.arch, compiler=compiler[1], commit=commit, times=times)
-    (out / "effects_off.md").write_text(text + "\n".join(table) + "\n", encoding="utf-8")
+    text = text.format(arch=options.arch, compiler=compiler(options), commit=commit(), times=times)
+    (out / "effects_off.md").write_text(text + table(columns, rows), encoding="utf-8")
+
+
+def add_compiler(parser):
+    parser.add_argument("--arch", default="90")
+    parser.add_argument("--nvcc", default="nvcc")
+    parser.add_argument("--include", action="append", default=["/usr/include/eigen3"])
+    parser.add_argument("--out", default=str(ROOT / "docs" / "results"))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--arch", default="90")
-    parser.add_argument("--nvcc", default="nvcc")
+    add_compiler(parser)
     parser.add_argument("--cuobjdump", default="cuobjdump")
-    parser.add_argument("--include", action="append", default=["/usr/include/eigen3"])
-    parser.add_argument("--out", default=str(ROOT / "docs" / "results"))
     parser.add_argument("--only", help="scenes whose name begins so")
     parser.add_argument("--time", action="store_true", help="take times too, on this machine's GPU")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="compilers at work at once")

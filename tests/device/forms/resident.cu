@@ -2,9 +2,7 @@
 // gives, and the same bits for any number of environments and threads of a block, resident or tiled. In double, too, tiled.
 //
 // tests/cuda has the same on an emulated device, and more of it.
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <vector>
 
@@ -153,44 +151,11 @@ void compare_in_double() {
   check(same_bits(d, 0, read(alone), 0), name, "alone it has the same bits");
 }
 
-template <class Scene, class S = float>
-double ns_per_particle_substep(std::int64_t environments, Cuda::Execution execution) {
-  Simulation<Scene, Cuda, S> run(options<Scene>(environments), {.execution = execution});
-  auto const one = make_run<Scene, Serial, S>(1);
-  for (std::int64_t e = 0; e < environments; ++e) run.state().copy_environment(e, one.state(), 0);
-  run.step(step);
-  run.wait();
-  int const steps = 20;
-  auto const begun = std::chrono::steady_clock::now();
-  for (int i = 0; i < steps; ++i) run.step(step);
-  run.wait();
-  std::chrono::duration<double, std::nano> const took = std::chrono::steady_clock::now() - begun;
-  return took.count() / steps / substeps / double(environments) / particles;
-}
-
-void print_times(Cuda::Execution form) {
-  for (std::int64_t environments : {1, 132, 1056})
-    std::printf(
-        "%s, %d environments of %d particles, %d substeps: %.4f ns per particle-substep; with a thread of %d beads %.4f\n",
-        form == Cuda::Execution::tiled ? "tiled" : "resident", int(environments), particles,
-        substeps, ns_per_particle_substep<TissueAlone>(environments, form), beads,
-        ns_per_particle_substep<Threaded>(environments, form));
-}
-
 }  // namespace
 
-// With any argument it compares and takes no times: for compute-sanitizer.
-int main(int argc, char**) {
+int main() {
   compare<TissueAlone>("tissue alone");
   compare<Threaded>("tissue and thread");
   compare_in_double();
-  if (argc == 1) {
-    print_times(Cuda::Execution::resident);
-    print_times(Cuda::Execution::tiled);
-    for (std::int64_t environments : {1, 132})
-      std::printf("double, tiled, %d environments: with a thread of %d beads %.4f ns\n",
-                  int(environments), beads,
-                  ns_per_particle_substep<Threaded, double>(environments, Cuda::Execution::tiled));
-  }
   return test::report.end();
 }
