@@ -50,7 +50,7 @@ def main():
     options = argparse.ArgumentParser(description="Needles that go straight for their marker.")
     options.add_argument("--num-envs", type=int, default=8)
     options.add_argument("--decisions", type=int, default=20)
-    options.add_argument("--seed", type=int, default=1)
+    options.add_argument("--seed", type=int, help="without it: that of the settings")
     options.add_argument("--threads", type=int, default=0, help="0: as many as there are cores")
     options.add_argument("--device", default="cpu", help="cpu, cuda, cuda:1 and so on")
     run = options.parse_args()

@@ -82,6 +82,7 @@ class SuturingVectorEnv(_VectorEnv):
     Copy what you want to keep. Episode k of environment i is the same, bit for bit, for any `num_envs` and `threads`.
 
     config: a TOML file, a dictionary ({"episode.limit": 50} or nested), or a list of these, later ones over earlier ones.
+    seed: of all random numbers; without one it is that of config (1 where none is named).
     autoreset: "same_step" (the last observation of an episode is in info["final_obs"]), "next_step" or "disabled".
     threads: of the host; 0 for as many as the machine has.
     device: "cpu", "cuda" (which is "cuda:0"), "cuda:1" and so on. On a device nothing is copied and nothing waits: actions and
@@ -99,7 +100,7 @@ class SuturingVectorEnv(_VectorEnv):
         num_envs=1,
         *,
         config=None,
-        seed=1,
+        seed=None,
         autoreset="same_step",
         threads=0,
         first_environment=0,
@@ -112,7 +113,7 @@ class SuturingVectorEnv(_VectorEnv):
         self._as_array = as_array or np.asarray
         options = {
             "num_envs": self.num_envs,
-            "seed": operator.index(seed),
+            "seed": None if seed is None else operator.index(seed),
             "autoreset": autoreset,
             "first_environment": operator.index(first_environment),
         }

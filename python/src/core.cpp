@@ -13,13 +13,16 @@ namespace {
 using Suturing = StepLoop<rl::VectorEnv<rl::SuturingTask, Threads>>;
 
 std::shared_ptr<Suturing> suturing(Documents const& documents, std::int64_t num_envs,
-                                   std::int64_t seed, std::string const& autoreset,
+                                   std::optional<std::int64_t> seed, std::string const& autoreset,
                                    std::int64_t first_environment, int threads) {
   if (threads < 0)
     throw std::invalid_argument("mpmpbd VectorEnv: threads = " + std::to_string(threads) +
                                 "; give 0 for as many as the machine has, or a positive number");
-  return make_loop<Suturing>(
-      documents, {num_envs, seed, autoreset_named(autoreset), first_environment}, Threads{threads});
+  return make_loop<Suturing>(documents,
+                             {.num_envs = num_envs,
+                              .autoreset = autoreset_named(autoreset),
+                              .first_environment = first_environment},
+                             seed, Threads{threads});
 }
 
 }  // namespace

@@ -47,12 +47,14 @@ template <class Envs> class StepLoopOnDevice : public StepLoop<Envs> {
 using Suturing = StepLoopOnDevice<rl::VectorEnv<rl::SuturingTask, Cuda>>;
 
 std::shared_ptr<Suturing> suturing(Documents const& documents, std::int64_t num_envs,
-                                   std::int64_t seed, std::string const& autoreset,
+                                   std::optional<std::int64_t> seed, std::string const& autoreset,
                                    std::int64_t first_environment, int device,
                                    std::uintptr_t stream) {
   return make_loop<Suturing>(documents,
-                             {num_envs, seed, autoreset_named(autoreset), first_environment},
-                             Cuda{.device = device, .stream = stream_of(stream)});
+                             {.num_envs = num_envs,
+                              .autoreset = autoreset_named(autoreset),
+                              .first_environment = first_environment},
+                             seed, Cuda{.device = device, .stream = stream_of(stream)});
 }
 
 }  // namespace

@@ -91,12 +91,14 @@ template <class Envs_> class StepLoop {
   std::mutex busy_;
 };
 
-// Other threads of Python run meanwhile; the object of Python is made after it.
+// Without a seed it is that of the settings; these have it in any case, and repeat the run. Other threads of Python run
+// meanwhile; the object of Python is made after it.
 template <class Loop, class Where>
-std::shared_ptr<Loop> make_loop(Documents const& documents, rl::VectorEnvOptions const& options,
-                                Where const& where) {
+std::shared_ptr<Loop> make_loop(Documents const& documents, rl::VectorEnvOptions options,
+                                std::optional<std::int64_t> seed, Where const& where) {
   py::gil_scoped_release const others_run;
-  auto const config = config_of<typename Loop::Envs::Config>(documents);
+  auto config = config_of<typename Loop::Envs::Config>(documents);
+  config.scene.seed = options.seed = seed.value_or(config.scene.seed);
   return std::make_shared<Loop>(config, options, where);
 }
 

@@ -119,6 +119,16 @@ class Episodes(unittest.TestCase):
         env.reset(seed=4)
         np.testing.assert_array_equal(pose, first)
 
+    def test_without_a_seed_it_is_that_of_the_settings(self):
+        def first(settings, **options):
+            return make(2, settings, **options).reset()[0]["tip_and_markers"].tobytes()
+
+        other = first({"seed": 4})
+        self.assertEqual(other, first({}, seed=4))
+        self.assertNotEqual(other, first({}))
+        self.assertEqual(first({"seed": 4}, seed=1), first({}))
+        self.assertIn("\nseed = 9 ", make(settings={"seed": 4}, seed=9).config)
+
     def test_a_mask_resets_some(self):
         env = make()
         pose = env.reset()[0]["needle_pose"]
