@@ -138,6 +138,7 @@ OfPrecision measure_precision(Cuda::Execution form, Set const& set) {
   }
   auto run = started<Scene, Scalar>(many, set, where);
   found.many = time_of_steps(run, many);
+  require_no_fault(run);
   return found;
 }
 

@@ -190,6 +190,20 @@ TEST_CASE("an environment of a step loop on a device does not know the others",
   auto const &a = std::as_const(four).simulation().state(),
              &b = std::as_const(alone).simulation().state();
   CHECK(test::same_bits(a, 3, b, 0));
+
+  // An episode of it again, in another's place.
+  four.start(0, 5, 3);
+  alone.start(0, 5);
+  bool again = true;
+  for (int i = 0; i < 3; ++i) {
+    auto const own = actions(alone, i);
+    auto act = actions(four, i);
+    std::copy(own.begin(), own.end(), act.begin());
+    four.step(act);
+    alone.step(own);
+    again = again && same_bits(seen(four, 0), seen(alone, 0));
+  }
+  CHECK(again);
 }
 
 TEST_CASE("a decision on a device copies nothing, takes no memory and waits for nothing",
