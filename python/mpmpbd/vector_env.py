@@ -111,6 +111,7 @@ class SuturingVectorEnv(_VectorEnv):
         self.num_envs = operator.index(num_envs)
         self._on_device = _device_number(device) is not None
         self._as_array = as_array or np.asarray
+        self._cuda_stream = cuda_stream  # lives as long as work is given to it
         options = {
             "num_envs": self.num_envs,
             "seed": None if seed is None else operator.index(seed),
@@ -202,7 +203,7 @@ class SuturingVectorEnv(_VectorEnv):
 
     @property
     def config(self):
-        """All settings as TOML, as they were understood."""
+        """All settings as TOML, as they were understood, with the seed in use."""
         return self._loop.config()
 
     @property

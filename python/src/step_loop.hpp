@@ -91,15 +91,21 @@ template <class Envs_> class StepLoop {
   std::mutex busy_;
 };
 
-// Without a seed it is that of the settings; these have it in any case, and repeat the run. Other threads of Python run
-// meanwhile; the object of Python is made after it.
+// Without a seed it is that of the settings. Other threads of Python run meanwhile; the object of Python is made after it.
 template <class Loop, class Where>
 std::shared_ptr<Loop> make_loop(Documents const& documents, rl::VectorEnvOptions options,
                                 std::optional<std::int64_t> seed, Where const& where) {
   py::gil_scoped_release const others_run;
-  auto config = config_of<typename Loop::Envs::Config>(documents);
-  config.scene.seed = options.seed = seed.value_or(config.scene.seed);
+  auto const config = config_of<typename Loop::Envs::Config>(documents);
+  options.seed = seed.value_or(config.scene.seed);
   return std::make_shared<Loop>(config, options, where);
+}
+
+// The settings of what runs: with the seed that it has.
+template <class Envs> std::string config_text(Envs const& envs) {
+  auto config = envs.config();
+  config.scene.seed = envs.options().seed;
+  return io::config_text(config);
 }
 
 // How many slots of a domain each environment uses.
@@ -163,7 +169,7 @@ template <class Loop> LoopClass<Loop> declare_loop(py::module_& module, char con
            [](Loop& self, std::string const& domain) {
              return self.alone([&] { return live(self.envs(), domain); });
            })
-      .def("config", [](Loop& self) { return io::config_text(self.envs().config()); })
+      .def("config", [](Loop& self) { return config_text(self.envs()); })
       .def_property_readonly("decision_time",
                              [](Loop& self) { return self.envs().decision_time(); });
   loop.attr("action_size") = int{Envs::action_size};

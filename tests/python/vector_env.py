@@ -127,7 +127,10 @@ class Episodes(unittest.TestCase):
         self.assertEqual(other, first({}, seed=4))
         self.assertNotEqual(other, first({}))
         self.assertEqual(first({"seed": 4}, seed=1), first({}))
-        self.assertIn("\nseed = 9 ", make(settings={"seed": 4}, seed=9).config)
+        env = make(settings={"seed": 4}, seed=9)
+        self.assertIn("\nseed = 9 ", env.config)
+        env.reset(seed=11)
+        self.assertIn("\nseed = 11 ", env.config)
 
     def test_a_mask_resets_some(self):
         env = make()
