@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """compute-sanitizer on the device tests: a row of a table for each program, a column for each tool.
 
-    tests/device/sanitize.py build/release/tests/device [program ...] [--jobs 2] [--limit 300]
+    tests/device/sanitize.py build/release/tests/device [program ...] [--jobs 2] [--limit 600]
 
 Programs run in their brief forms, `jobs` at a time on each GPU that is visible. A run is clean when the tool counts no
 error and the program's own checks pass. The exit status is 1 when one is not.
@@ -84,7 +84,7 @@ def main():
     parser.add_argument("programs", type=pathlib.Path, help="folder of the device tests")
     parser.add_argument("names", nargs="*", help="without test_device_; all where none is named")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time on a GPU")
-    parser.add_argument("--limit", type=int, default=300, help="of a run [s]")
+    parser.add_argument("--limit", type=int, default=600, help="of a run [s]")
     parser.add_argument("--out", type=pathlib.Path, help="a folder for what the runs print")
     args = parser.parse_args()
     names = args.names or names_in(args.programs)

@@ -4,6 +4,7 @@
 // An argument names the folder of the scenes, where it is not that of the sources. With one more the bits of environments in
 // company are compared for a decision, and that is all: for compute-sanitizer. tests/cuda has the same on an emulated device,
 // and more of it.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -117,11 +118,12 @@ void compare_companies(rl::SuturingTaskConfig const& c, int decisions) {
   check(same_bits(first, record(alone, 0, decisions)), "alone it has the same bits");
   check(same_bits(first, record(tiled, 137, decisions)),
         "and with launches of their own for every step");
-  // Its second episode again, in another's place.
+  // Its second episode again, in another's place; the one after it is this place's own.
   many.start(0, 2, 137);
   alone.start(0, 2);
-  check(same_bits(record(many, 0, decisions, actions_alike),
-                  record(alone, 0, decisions, actions_alike)),
+  int const of_episode = std::min(decisions, c.episode.limit - 1);
+  check(same_bits(record(many, 0, of_episode, actions_alike),
+                  record(alone, 0, of_episode, actions_alike)),
         "an episode is the same in another's place");
 }
 
