@@ -169,7 +169,8 @@ template <class Loop> LoopClass<Loop> declare_loop(py::module_& module, char con
            [](Loop& self, std::string const& domain) {
              return self.alone([&] { return live(self.envs(), domain); });
            })
-      .def("config", [](Loop& self) { return config_text(self.envs()); })
+      .def("config",
+           [](Loop& self) { return self.alone([&] { return config_text(self.envs()); }); })
       .def_property_readonly("decision_time",
                              [](Loop& self) { return self.envs().decision_time(); });
   loop.attr("action_size") = int{Envs::action_size};
