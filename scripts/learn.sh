@@ -3,6 +3,7 @@
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+here=$PWD  # what paths among the arguments begin at
 cd "$root"
 
 build=$build_root/demo
@@ -16,7 +17,7 @@ step "build" cmake --build "$build" -j "$jobs" --target learn_insertion
 export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 
 status=0
-step "learn" "$build/examples/learn_insertion" --out "$out" "$@" || status=$?
+step "learn" env -C "$here" "$build/examples/learn_insertion" --out "$out" "$@" || status=$?
 if [[ -f $out/learning.csv ]]; then
   step "plot" "$(python_with_matplotlib)" scripts/plot_learning.py "$out" || status=1
 fi
