@@ -24,13 +24,13 @@ PREFIX = "test_device_"
 # Of a run on the host, which has others beside it.
 FEW_THREADS = {"OMP_NUM_THREADS": "2"}
 # The programs that take longest, the longest first, with the arguments of their brief forms where they have one.
-BRIEF = {"step_loop": (SCENES, "x"), "physics": ("x",), "batch": ("x",), "resident": (), "suture": ("x",), "stitch": ("x",)}
+LONGEST = {"step_loop": (SCENES, "x"), "physics": ("x",), "batch": ("x",), "resident": (), "suture": ("x",), "stitch": ("x",)}
 
 
 def names_in(programs):
     """Of all device tests in a folder, those that take longest first."""
     found = {path.name.removeprefix(PREFIX) for path in programs.glob(PREFIX + "*") if os.access(path, os.X_OK)}
-    return [name for name in BRIEF if name in found] + sorted(found - BRIEF.keys())
+    return [name for name in LONGEST if name in found] + sorted(found - LONGEST.keys())
 
 
 def verdict(status, output):
@@ -66,7 +66,7 @@ class Runs:
 
     def __call__(self, name, tool):
         command = ["timeout", str(self.limit), "compute-sanitizer", "--tool", tool, "--error-exitcode", "9",
-                   self.programs / (PREFIX + name), *BRIEF.get(name, ())]
+                   self.programs / (PREFIX + name), *LONGEST.get(name, ())]
         output = self.kept / f"{name}.{tool}.txt"
         gpu = self.room.get()
         begun = time.monotonic()
