@@ -14,6 +14,7 @@
 #include <mpmpbd/coupling/embedded_fields.hpp>
 #include <mpmpbd/mpm/materials/lame.hpp>
 #include <mpmpbd/pbd/rod_builder.hpp>
+#include <mpmpbd/testing/worst.hpp>
 
 namespace mpmpbd::measured {
 
@@ -142,10 +143,10 @@ OfPrecision measure_precision(Cuda::Execution form, Set const& set) {
   return found;
 }
 
-inline double largest_distance(Points const& a, Points const& b) {
-  double largest = 0.0;
-  for (std::size_t p = 0; p < a.size(); ++p) largest = std::fmax(largest, norm(a[p] - b[p]));
-  return largest;
+inline double largest_distance(Points const& a, Points const& b) {  // [m]
+  testing::Worst worst;
+  for (std::size_t p = 0; p < a.size(); ++p) worst.include(norm(a[p] - b[p]));
+  return worst.value();
 }
 
 // A line each of float, resident and tiled, and of double: times, and how far a particle is at most from its start and from
