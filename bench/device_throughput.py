@@ -13,7 +13,8 @@ import pathlib
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from published import ROOT, commit, gpus, table
+
 RUNS = (
     ("environments", "resident"),
     ("environments", "tiled", "1", "10", "132", "264", "528", "1056"),
@@ -35,31 +36,19 @@ COPIES = {"H200": 4.24e12, "H100": 3.0e12}
 BYTES, SHARED_PIPE, ISSUE = 152, 0.042, 0.046
 
 
-def device():
-    query = ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"]
-    return subprocess.run(query, capture_output=True, text=True, check=True).stdout.splitlines()
-
-
 def measure(program, out):
-    gpus = device()
     rows = []
     for words in RUNS:
         print("==", *words, file=sys.stderr, flush=True)
         text = subprocess.run([program, *words], capture_output=True, text=True, check=True).stdout
         rows += list(csv.DictReader(text.splitlines()))
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    (gpu, driver), source = gpus()[0], commit()
     for row in rows:
-        row["gpu"], row["driver"] = gpus[0].split(", ")
-        row["commit"] = commit or "unknown"
+        row |= {"gpu": gpu, "driver": driver, "commit": source}
     with open(out, "w", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-
-
-def table(head, lines):
-    out = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    return "\n".join(out + ["| " + " | ".join(map(str, line)) + " |" for line in lines]) + "\n"
 
 
 def time_of(row):

@@ -20,22 +20,29 @@ import sys
 import tempfile
 from collections import Counter
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from published import ROOT, commit, gpus, table, version_of
+from scene_programs import (
+    OF_THREAD,
+    OF_TISSUE,
+    SET_GRAVITY,
+    SET_THREAD,
+    SET_TISSUE,
+    THREAD,
+    TISSUE,
+    add_compiler,
+    compile_scene,
+    program,
+    run,
+    source_of,
+)
+
 sys.path.insert(0, str(ROOT / "tests" / "device"))
 from check_hot_loop import STEP, kernels, particle_loop  # noqa: E402
 
-TISSUE = "struct Tissue : Mpm<NeoHookean> {};"
-THREAD = TISSUE + " struct Thread : Pbd<Constraints<Distance, Bend>> {};"
 SUTURE = TISSUE + " struct Thread : Pbd<Constraints<Distance, Bend, Swage>> {};"
 FULL = "Tissue, Thread, ArcNeedle, Surface, Coupling<Embedded, Friction, Drag>, Gravity, {}Air, Wall<Sticky, 2, Side::low>"
-OF_TISSUE = ["mpm/materials/neo_hookean.hpp", "scene/scene.hpp"]
-OF_THREAD = OF_TISSUE + ["pbd/body.hpp", "coupling/embedded.hpp"]
 OF_SUTURE = OF_THREAD + ["effects/gravity.hpp", "effects/air.hpp", "effects/walls.hpp"]
-# What is set for a time to be taken.
-SET_TISSUE = {"NeoHookean": "lame(5e5, 0.4)"}
-SET_THREAD = SET_TISSUE | {"Embedded": "{0.006}"}
 SET_FRICTION = SET_THREAD | {"Friction": "{0.2, 100.0}", "Drag": "{5.0}"}
-SET_GRAVITY = {"Gravity": "{{0.0, 0.0, -9.81}}"}
 SET_VISCOSITY = {"Viscosity": "{500.0}"}
 SET_FULL = SET_FRICTION | SET_GRAVITY | {
     "Air": "{5.0}",
@@ -97,23 +104,6 @@ def every_header():
     return sorted(str(path.relative_to(include)) for folder in folders for path in (include / folder).rglob("*.hpp"))
 
 
-def source_of(declarations, parts, headers):
-    return (
-        "".join(f"#include <mpmpbd/{header}>\n" for header in ["backend/cuda/simulation.cuh"] + headers)
-        + f"namespace mpmpbd::measured {{ {declarations} struct Measured : Scene<{parts}> {{}}; }}\n"
-    )
-
-
-def compile_scene(options, source, text, *how):
-    source.write_text(text, encoding="utf-8")
-    subprocess.run(
-        [options.nvcc, "-std=c++20", "-O3", "-fmad=false", f"-arch=sm_{options.arch}", f"-I{ROOT / 'include'}", f"-I{ROOT / 'bench'}"]
-        + [f"-I{folder}" for folder in options.include]
-        + [*how, str(source)],
-        check=True,
-    )
-
-
 def listing(options, folder, declarations, parts, headers):
     """The machine code and the use of resources of the scene's step."""
     binary = folder / "scene.cubin"
@@ -124,17 +114,6 @@ def listing(options, folder, declarations, parts, headers):
         [options.cuobjdump, what, str(binary)], check=True, capture_output=True, text=True
     ).stdout
     return read("-sass"), read("-res-usage")
-
-
-def program(options, folder, declarations, parts, headers, parameters, prints="print_step_time"):
-    """A program that prints what a step of the scene takes, or what else step_of_scene.hpp can print."""
-    path = folder / "time"
-    text = "#include \"step_of_scene.hpp\"\n" + source_of(declarations, parts, headers)
-    text += "int main(int argc, char** argv) {\n  using namespace mpmpbd;\n"
-    text += f"  return measured::{prints}<measured::Measured>(argc, argv, [](auto& run) {{\n"
-    text += "".join(f"    run.template set<{name}>(0, {value});\n" for name, value in parameters.items())
-    compile_scene(options, folder / "time.cu", text + "  });\n}\n", "-o", str(path))
-    return path
 
 
 def resources(text):
@@ -160,10 +139,6 @@ def row_of(name, own, with_all):
     registers, stack = resources(use)
     additions = Counter(what.split(".")[0] for what in loop)["ATOMS"]
     return [name, registers, stack, end - first, moved("LDG"), moved("STG"), additions, "yes" if step == again else "NO"]
-
-
-def run(path):
-    return subprocess.run([str(path)], check=True, capture_output=True, text=True).stdout
 
 
 def time_of(path):
@@ -192,42 +167,15 @@ def measure(options, scenes, folder):
     return rows
 
 
-def device():
-    query = ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"]
-    return subprocess.run(query, check=True, capture_output=True, text=True).stdout.split("\n")[0].replace(", ", ", driver ")
-
-
-def commit():
-    query = ["git", "-C", str(ROOT), "describe", "--always", "--dirty"]
-    return subprocess.run(query, check=True, capture_output=True, text=True).stdout.strip()
-
-
-def compiler(options):
-    version = subprocess.run([options.nvcc, "--version"], check=True, capture_output=True, text=True).stdout
-    return re.search(r"V([\d.]+)", version)[1]
-
-
-def table(columns, rows):
-    lines = ["| " + " | ".join(map(str, row)) + " |" for row in [columns, ["---"] * len(columns)] + rows]
-    return "\n".join(lines) + "\n"
-
-
 def write(options, rows):
     out = pathlib.Path(options.out)
     columns = COLUMNS + (TIME if options.time else [])
     with open(out / "effects_off.csv", "w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([columns] + rows)
     text = (ROOT / "bench" / "effects_off_head.md").read_text(encoding="utf-8")
-    times = f"Times: on an {device()}." if options.time else "Times were not taken."
-    text = text.format(arch=options.arch, compiler=compiler(options), commit=commit(), times=times)
+    times = "Times: on an {}, driver {}.".format(*gpus()[0]) if options.time else "Times were not taken."
+    text = text.format(arch=options.arch, compiler=version_of(options.nvcc), commit=commit(), times=times)
     (out / "effects_off.md").write_text(text + table(columns, rows), encoding="utf-8")
-
-
-def add_compiler(parser):
-    parser.add_argument("--arch", default="90")
-    parser.add_argument("--nvcc", default="nvcc")
-    parser.add_argument("--include", action="append", default=["/usr/include/eigen3"])
-    parser.add_argument("--out", default=str(ROOT / "docs" / "results"))
 
 
 def main():

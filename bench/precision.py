@@ -10,8 +10,19 @@ import csv
 import pathlib
 import tempfile
 
-import effects_off
-from effects_off import OF_THREAD, OF_TISSUE, SET_GRAVITY, SET_THREAD, SET_TISSUE, THREAD, TISSUE
+from published import ROOT, commit, gpus, table, version_of
+from scene_programs import (
+    OF_THREAD,
+    OF_TISSUE,
+    SET_GRAVITY,
+    SET_THREAD,
+    SET_TISSUE,
+    THREAD,
+    TISSUE,
+    add_compiler,
+    program,
+    run,
+)
 
 FLOOR = "Wall<Sticky, 2, Side::low>"
 OTHERS = ["effects/gravity.hpp", "effects/walls.hpp"]
@@ -49,22 +60,23 @@ def measure(options, folder):
     for number, (name, *scene) in enumerate(SCENES):
         place = folder / str(number)
         place.mkdir()
-        path = effects_off.program(options, place, *scene, prints="print_precisions")
-        yield from rows_of(name, effects_off.run(path))
+        path = program(options, place, *scene, prints="print_precisions")
+        yield from rows_of(name, run(path))
 
 
 def write(options, rows):
     out = pathlib.Path(options.out)
     with open(out / "precision.csv", "w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([COLUMNS] + rows)
-    head = (pathlib.Path(__file__).parent / "precision_head.md").read_text(encoding="utf-8")
-    head = head.format(arch=options.arch, compiler=effects_off.compiler(options), commit=effects_off.commit(), device=effects_off.device())
-    (out / "precision.md").write_text(head + effects_off.table(COLUMNS, rows), encoding="utf-8")
+    gpu, driver = gpus()[0]
+    head = (ROOT / "bench" / "precision_head.md").read_text(encoding="utf-8")
+    head = head.format(arch=options.arch, compiler=version_of(options.nvcc), commit=commit(), gpu=gpu, driver=driver)
+    (out / "precision.md").write_text(head + table(COLUMNS, rows), encoding="utf-8")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    effects_off.add_compiler(parser)
+    add_compiler(parser)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         rows = list(measure(options, pathlib.Path(folder)))
