@@ -9,8 +9,6 @@
 // Not emulated: clusters, more than one block at a time.
 #pragma once
 
-#include <ucontext.h>
-
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -23,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "fiber.hpp"
 #include "races.hpp"
 
 #define __global__
@@ -95,13 +94,15 @@ class Block {
     return block;
   }
 
-  Block(unsigned threads, std::function<void()> kernel) : kernel_(std::move(kernel)), state_(seed) {
-    fibers_.resize(threads);
-    for (unsigned t = 0; t < threads; ++t) start(t);
+  Block(unsigned threads, std::function<void()> kernel)
+      : kernel_(std::move(kernel)), state_(seed), left_(threads), threads_(threads) {
+    for (unsigned t = 0; t < threads; ++t) {
+      fiber(t).begin(&Block::enter);
+      ready_.push_back(t);
+    }
   }
   void run() {
     running() = this;
-    sanitised_ = races::present();
     races::arrive(&begun_);
     {
       races::Ignored const bookkeeping;
@@ -117,22 +118,19 @@ class Block {
     // Two meetings that follow one another are told apart: who is late at the first one knows nothing of the second.
     char* const meeting = &b.meetings[b.number % 2];
     races::arrive(meeting);
-    if (++b.here == count) {
-      b.here = 0;
+    b.waiting.push_back(threadIdx.x);
+    if (b.waiting.size() == count) {
       ++b.number;
-      for (unsigned t : b.waiting) fibers_[t].waits = false;
+      ready_.insert(ready_.end(), b.waiting.begin(), b.waiting.end());
       b.waiting.clear();
-    } else {
-      b.waiting.push_back(threadIdx.x);
-      fibers_[threadIdx.x].waits = true;
     }
-    rest(threadIdx.x);
+    rest();
     races::leave(meeting);
   }
   // Whether any thread brings something else than 0.
   bool any(bool value) {
     races::Ignored const bookkeeping;
-    auto const all_are_here = [this] { wait(0, static_cast<unsigned>(fibers_.size())); };
+    auto const all_are_here = [this] { wait(0, static_cast<unsigned>(threads_.size())); };
     all_are_here();
     any_ = any_ || value;
     all_are_here();
@@ -147,7 +145,7 @@ class Block {
     static_assert(sizeof(T) <= 8);
     races::Ignored const bookkeeping;
     unsigned const warp = threadIdx.x / 32, lane = threadIdx.x % 32;
-    bool const turn = fibers_[threadIdx.x].turn = !fibers_[threadIdx.x].turn;
+    bool const turn = threads_[threadIdx.x].turn = !threads_[threadIdx.x].turn;
     auto* values = warps_[warp].bytes[turn ? 1 : 0];
     std::memcpy(values[lane], &value, sizeof value);
     wait(first_warp_barrier + warp, 32);
@@ -163,18 +161,17 @@ class Block {
     if (at_once || races::sought) copy({to, from, bytes});
     if (at_once && !races::sought) return;
     races::Ignored const bookkeeping;
-    fibers_[threadIdx.x].promised.push_back({to, from, bytes});
+    threads_[threadIdx.x].promised.push_back({to, from, bytes});
   }
   void keep_promises() {
     races::ignore(true);
-    auto const all = std::exchange(fibers_[threadIdx.x].promised, {});
+    auto const all = std::exchange(threads_[threadIdx.x].promised, {});
     races::ignore(false);
     for (Copy const& c : all) copy(c);
   }
 
  private:
   static constexpr unsigned first_warp_barrier = 1000;
-  static constexpr std::size_t stack_bytes = std::size_t{1} << 18;
   struct Copy {
     void* to;
     void const* from;
@@ -186,43 +183,24 @@ class Block {
     auto const* const from = static_cast<unsigned const volatile*>(c.from);
     for (std::size_t i = 0; i < c.bytes / sizeof(unsigned); ++i) to[i] = from[i];
   }
-  struct Fiber {
-    ucontext_t context;
+  struct Thread {
     std::vector<Copy> promised;
-    races::Fiber sanitised = nullptr;
-    bool waits = false, ended = false, turn = false;
+    bool turn = false;
   };
   struct WarpValues {
     unsigned char bytes[2][32][8];
   };
   struct Barrier {
-    unsigned here = 0, number = 0;
+    unsigned number = 0;
     char meetings[2] = {};
     std::vector<unsigned> waiting;
   };
 
-  // The threads of all blocks are the same to the sanitizer.
-  static races::Fiber sanitised(unsigned t) {
-    static std::vector<races::Fiber> all;
-    while (all.size() <= t) all.push_back(races::another());  // begins with bookkeeping
-    return all[t];
-  }
-
-  // Blocks run one after the other and take the same stacks.
-  static char* stack_of(unsigned t) {
-    static std::vector<std::unique_ptr<char[]>> stacks;
-    while (stacks.size() <= t)
-      stacks.push_back(std::make_unique_for_overwrite<char[]>(stack_bytes));
-    return stacks[t].get();
-  }
-  void start(unsigned t) {
-    Fiber& f = fibers_[t];
-    f.sanitised = sanitised(t);
-    getcontext(&f.context);
-    f.context.uc_stack.ss_sp = stack_of(t);
-    f.context.uc_stack.ss_size = stack_bytes;
-    makecontext(&f.context, &Block::enter, 0);
-    ++left_;
+  // Blocks run one after the other, on the same fibers: those begin with bookkeeping.
+  static Fiber& fiber(unsigned t) {
+    static std::vector<std::unique_ptr<Fiber>> all;
+    while (all.size() <= t) all.push_back(std::make_unique<Fiber>(races::another()));
+    return *all[t];
   }
   // Bookkeeping at its end goes on at the beginning of the thread in the next block.
   static void enter() {
@@ -231,30 +209,29 @@ class Block {
     races::ignore(false);
     block.kernel_();
     races::ignore(true);
-    if (!block.fibers_[threadIdx.x].promised.empty()) {
+    if (!block.threads_[threadIdx.x].promised.empty()) {
       std::fprintf(stderr, "emulated CUDA: thread %u ends with copies that it has not waited for\n",
                    threadIdx.x);
       std::abort();
     }
-    block.fibers_[threadIdx.x].ended = true;
     --block.left_;
     races::arrive(&block.ended_);
-    block.rest(threadIdx.x);
+    block.rest();
   }
+  // One of those that no barrier holds, by lot.
   unsigned next() {
-    std::vector<unsigned>& ready = ready_;
-    ready.clear();
-    for (unsigned t = 0; t < fibers_.size(); ++t)
-      if (!fibers_[t].waits && !fibers_[t].ended) ready.push_back(t);
-    if (ready.empty()) {
+    if (ready_.empty()) {
       std::fprintf(stderr, "emulated CUDA: %u threads wait at barriers that not all reach:", left_);
       for (auto const& [id, b] : barriers_)
-        if (b.here > 0) std::fprintf(stderr, " barrier %u: %u;", id, b.here);
+        if (!b.waiting.empty()) std::fprintf(stderr, " barrier %u: %zu;", id, b.waiting.size());
       std::fprintf(stderr, "\n");
       std::abort();
     }
     advance_lot();
-    return ready[(state_ >> 8) % ready.size()];
+    std::swap(ready_[(state_ >> 8) % ready_.size()], ready_.back());
+    unsigned const t = ready_.back();
+    ready_.pop_back();
+    return t;
   }
   void advance_lot() { state_ = state_ * 1664525u + 1013904223u; }
   bool draws_lot() {
@@ -264,24 +241,19 @@ class Block {
   }
   void resume(unsigned t) {
     threadIdx = {t, 0, 0};
-    change(scheduler_, fibers_[t].context, fibers_[t].sanitised);
+    scheduler_.give_way_to(fiber(t));
   }
-  // Thread t does, until it is resumed.
-  void rest(unsigned t) { change(fibers_[t].context, scheduler_, sanitised_); }
-  static void change(ucontext_t& from, ucontext_t& to, races::Fiber as) {
-    races::change_to(as);
-    swapcontext(&from, &to);
-  }
+  // The present thread does, until it is resumed.
+  void rest() { fiber(threadIdx.x).give_way_to(scheduler_); }
 
   std::function<void()> kernel_;
   unsigned state_;
-  unsigned left_ = 0;
+  unsigned left_;
   bool any_ = false;
-  ucontext_t scheduler_{};
-  races::Fiber sanitised_ = nullptr;
+  Fiber scheduler_{races::present()};
   char begun_ = 0, ended_ = 0;  // what the threads know of the host, and it of them
-  std::vector<Fiber> fibers_;
-  std::vector<unsigned> ready_;
+  std::vector<Thread> threads_;
+  std::vector<unsigned> ready_;  // who neither is at work nor waits
   std::map<unsigned, Barrier> barriers_;
   std::map<unsigned, WarpValues> warps_;
 };
