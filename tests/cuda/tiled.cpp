@@ -1,5 +1,5 @@
 // The tiled form on an emulated device: it gives the bits of the resident form, and moves grids that no block holds.
-// seconds: 25
+// seconds: 18
 #include <cmath>
 #include <limits>
 
