@@ -32,7 +32,34 @@ struct Lanes {
   void sync() const {}
 };
 
-template <class Body, class T = double, class Team = Solo> class Rig {
+// What is asked of beads in `store`, the state of one environment.
+template <class Self> class Measured {
+  auto const& store() const { return static_cast<Self const&>(*this).store; }
+
+ public:
+  std::int64_t beads() const { return store().template table<Beads>().live(0); }
+  auto x(std::int64_t b) const { return store().template get<bead::Position>(0, b); }
+  auto v(std::int64_t b) const { return store().template get<bead::Velocity>(0, b); }
+
+  double length() const {
+    double sum = 0;
+    for (std::int64_t b = 1; b < beads(); ++b) sum += double(norm(x(b) - x(b - 1)));
+    return sum;
+  }
+  double fastest() const {
+    double most = 0;
+    for (std::int64_t b = 0; b < beads(); ++b) most = max(most, double(norm(v(b))));
+    return most;
+  }
+  bool finite() const {
+    for (std::int64_t b = 0; b < beads(); ++b)
+      if (!is_finite(x(b)) || !is_finite(v(b))) return false;
+    return true;
+  }
+};
+
+template <class Body, class T = double, class Team = Solo>
+class Rig : public Measured<Rig<Body, T, Team>> {
  public:
   using Store = State<T, typename Body::AllFields>;
 
@@ -47,10 +74,6 @@ template <class Body, class T = double, class Team = Solo> class Rig {
   }
 
   auto environment() { return access_environment(store, 0, typename Store::Domains{}); }
-  std::int64_t beads() const { return store.template table<Beads>().live(0); }
-  Vec3<T> x(std::int64_t b) const { return store.template get<bead::Position>(0, b); }
-  Vec3<T> v(std::int64_t b) const { return store.template get<bead::Velocity>(0, b); }
-
   void step(double dt, double g = gravity) {
     auto const env = environment();
     Tick<T> const tick{T(dt), T(dt), steps++};
@@ -70,21 +93,6 @@ template <class Body, class T = double, class Team = Solo> class Rig {
     faults |= Body::predict(team_, env, tick) | Body::solve(team_, env, tick);
   }
 
-  double length() const {
-    double sum = 0;
-    for (std::int64_t b = 1; b < beads(); ++b) sum += double(norm(x(b) - x(b - 1)));
-    return sum;
-  }
-  double fastest() const {
-    double most = 0;
-    for (std::int64_t b = 0; b < beads(); ++b) most = max(most, double(norm(v(b))));
-    return most;
-  }
-  bool finite() const {
-    for (std::int64_t b = 0; b < beads(); ++b)
-      if (!is_finite(x(b)) || !is_finite(v(b))) return false;
-    return true;
-  }
   template <class C> double residual() { return double(Body::template residual<C>(environment())); }
 
   Store store{1};

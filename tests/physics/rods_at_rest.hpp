@@ -1,7 +1,7 @@
 // Threads clamped at one end, loads on their beads, and friction until nothing moves.
 #pragma once
 
-#include "pbd/rig.hpp"
+#include "physics/rods_on_back_end.hpp"
 
 namespace rods {
 
@@ -28,14 +28,14 @@ struct Cantilever {
   double unit() const {
     return square(length) * std::sqrt(wire.line_density() / wire.bending_stiffness());
   }
-  template <class Body> Rig<Body> build() const {
+  template <class Body> Simulated<Body> build() const {
     RodAssembly<Body> rod;
     add_thread(rod, straight(-segment() * direction, length * direction, segments + 2), wire);
     rod.prescribe(0);
     rod.prescribe(1);
     for (auto b : {tip() - 1, tip()})
       rod.set_mass(b, 1 / rod.inverse_mass(b) + tip_weight * wire.line_density() * length);
-    Rig<Body> rig(rod);
+    Simulated<Body> rig(rod);
     using Parameters = typename instance<Bend>::Parameters;
     auto k = rig.store.template get<Parameters>(0, 0);  // the first joint has the first colour
     k[1] = wire.bend_compliance(wall_share * segment());

@@ -1,8 +1,9 @@
 // seconds: 3
+// on a device
 // A3.5 and A3.14, small: a clamped 3-0 nylon thread, its static tip deflection and first period. Stiff bending is what
 // the direct solver is for: h^2 w |grad turn|^2 / alpha is 350 and more.
 #include "catch.hpp"
-#include "pbd/rig.hpp"
+#include "physics/rods_on_back_end.hpp"
 
 using namespace rods;
 
@@ -38,7 +39,7 @@ TEMPLATE_TEST_CASE("a cantilever bends as its EI says", "[bend][physics]", float
                                                 (8 * nylon.bending_stiffness());
   CHECK(discrete_tip(g) == Approx(continuous).epsilon(2.1 / segments));  // a hinge at the wall: 2/N
   for (double h : {1e-3, 1e-4}) {
-    Rig<Body<2>, TestType> rig(clamped<Body<2>>());
+    Simulated<Body<2>, TestType> rig(clamped<Body<2>>());
     for (int s = 0; s * h < 0.7; ++s) {
       rig.step(h, g);
       for (std::int64_t b = 2; b < rig.beads(); ++b)
@@ -56,7 +57,7 @@ TEST_CASE("a cantilever swings with the period of its beam", "[bend][physics]") 
   // omega_1 = 3.51601527 sqrt(EI/(rho A L^4)); discrete joints are softer by about 1/N.
   double const omega = 3.51601527 * std::sqrt(nylon.bending_stiffness() /
                                               (nylon.line_density() * std::pow(length, 4)));
-  Rig<Body<2>> rig(clamped<Body<2>>());
+  Simulated<Body<2>> rig(clamped<Body<2>>());
   double const g = 0.01 * gravity, h = 1e-4;
   // Released from rest, the tip is lowest after half a period: the velocity changes sign.
   double before = 0, half = 0;

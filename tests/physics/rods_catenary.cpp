@@ -1,5 +1,6 @@
 // A3.9 of verification.md: a thread that hangs between two points is a catenary, also with a little EI.
 // seconds: 1
+// on a device
 #include "catch.hpp"
 #include "physics/rods_at_rest.hpp"
 
@@ -25,7 +26,7 @@ Hung hang(double over_span, double bending_stiffness) {
   add_thread(rod, vee, segments + 1, wire);
   rod.prescribe(0);
   rod.prescribe(segments);
-  Rig<Body> rig(rod);
+  Simulated<Body> rig(rod);
   double const unit = std::sqrt(span / gravity);
   CHECK(settle(
       rig, 0.02 * unit, 3 / unit, 1e-8 * span / unit, 6000, [](auto&, double) {}, gravity));

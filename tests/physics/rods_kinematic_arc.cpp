@@ -1,5 +1,6 @@
 // A3.7 of verification.md: 14 segments whose ends are led into an arc of 60 degrees share the turn (a case of Newton).
 // seconds: 1
+// on a device
 #include "catch.hpp"
 #include "physics/framed_at_rest.hpp"
 
@@ -28,7 +29,7 @@ TEST_CASE("A3.7: a thread that is led into an arc bends evenly", "[bend][frames]
   add_framed_thread(rod, line, thin_wire(EI, GJ, 0.7, 2e-3));
   hold_segment(rod, 0, 0);
   hold_segment(rod, segments - 1, segments - 1);
-  Rig<Body> rig(rod);
+  Simulated<Body> rig(rod);
 
   double const turn = pi<double> / 3 / (segments - 1),
                unit = square(segments * l) * std::sqrt(0.7 / EI), h = 2e-3 * unit;

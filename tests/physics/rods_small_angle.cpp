@@ -1,21 +1,23 @@
 // A3.19 of verification.md: a joint that is bent by 1e-5 rad gives the right torque in float.
+// on a device
 #include "catch.hpp"
-#include "pbd/rig.hpp"
+#include "physics/rods_on_back_end.hpp"
 
 using namespace rods;
 
 namespace {
 RodMaterial const nylon{2e9, 0.115e-3, 1140};  // 3-0
 
+struct Body : Pbd<Constraints<Bend>, Xpbd<1>> {};
+
 // Torque of a joint between two segments of 2 mm, by one projection of a constraint so soft that nothing moves.
 template <class T> double torque(double turn) {
-  struct Body : Pbd<Constraints<Bend>, Xpbd<1>> {};
   double const l = 2e-3;
   Line const points{{{-l, 0, 0}}, {{0, 0, 0}}, {{l * std::cos(turn), l * std::sin(turn), 0}}};
   RodAssembly<Body> rod;
   add_thread(rod, points, nylon);
-  Rig<Body, T> rig(rod);
-  rig.project(1e-9);
+  Simulated<Body, T> rig(rod);
+  rig.step(1e-9, 0.0);
   return -double(rig.store.template get<instance<Bend>::Multiplier>(0, 0));
 }
 }  // namespace

@@ -1,6 +1,7 @@
 // A3.8 of verification.md: an arc of 45 degrees, clamped at one end, under a force out of its plane: bending and twist
 // together (Bathe and Bolourchi 1979; the numbers are those of an inextensible Kirchhoff rod).
 // seconds: 3
+// on a device
 #include "catch.hpp"
 #include "physics/framed_at_rest.hpp"
 
@@ -20,7 +21,7 @@ V3 tip_under(double load, int segments) {
   add_framed_thread(rod, points, thin_wire(stiffness, stiffness, line_density, 1e-3 * R),
                     RestShape::as_placed);
   hold_segment(rod, 0, 0);
-  Rig<Body> rig(rod);
+  Simulated<Body> rig(rod);
   keep_share(rig, 0, 0.5);
 
   double const unit = square(pi<double> / 4 * R) * std::sqrt(line_density / stiffness);
