@@ -129,6 +129,11 @@ template <class T, class Form_> struct Rig {
 
   // One substep's coupling; thread points in tissue less dense than `least` are off.
   std::uint32_t couple(double least = 0.25) {
+    return couple(least, [](Rig& rig, auto const& x) {
+      return mpmpbd::exchange(mpmpbd::Solo{}, x, rig.nodes());
+    });
+  }
+  template <class Exchange> std::uint32_t couple(double least, Exchange const& exchange) {
     auto x = view();
     mpmpbd::Solo const team;
     mpmpbd::place_thread_points(team, x);
@@ -138,7 +143,7 @@ template <class T, class Form_> struct Rig {
       if (p.contact == Contact::member || p.contact == Contact::off)
         p.contact = double(p.coverage) >= least ? Contact::member : Contact::off;
     }
-    auto const faults = mpmpbd::exchange(team, x, nodes());
+    auto const faults = exchange(*this, x);
     previous_dt = dt;
     return faults;
   }

@@ -175,7 +175,7 @@ template <class T> struct BentRest {
     if (!mpmpbd::solve_chain(team, chain, side, t.chain)) return;
     for (std::size_t k = 0; k < beads; ++k) rig.bead_velocity[k] = columns[k].bead();
   }
-  template <class Form> bool exchange_as(void* memory) {
+  template <class Form> bool exchange_as(char* memory) {
     mpmpbd::ExchangeView<T, Form> x{};
     auto const full = rig.view();
     x.lattice = full.lattice;
@@ -192,7 +192,7 @@ template <class T> struct BentRest {
     mpmpbd::place_thread_points(team, x);
     if (c.how == Bend::two_points) place_on_segments(x, {T(0.2113), T(0.7887)});
     mpmpbd::embed_points(team, x, rig.nodes());
-    return mpmpbd::exchange(team, x, rig.nodes()) == 0;
+    return exchange_on_back_end(rig, x, memory) == 0;
   }
 
   BendResult run() {

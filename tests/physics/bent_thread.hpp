@@ -174,9 +174,8 @@ template <class T, class Form> struct BentThread {
       p.contact = !unused && p.coverage >= T(0.25) ? Contact::member : Contact::off;
       if (c.scheme == Scheme::cold_start) p.impulse = {};
     }
-    result.ran_away |= c.scheme == Scheme::position_bias
-                           ? !biased_exchange(x)
-                           : mpmpbd::exchange(team, x, rig.nodes()) != 0;
+    result.ran_away |=
+        c.scheme == Scheme::position_bias ? !biased_exchange(x) : exchange_on_back_end(rig, x) != 0;
     if (c.scheme == Scheme::contact_then_xpbd) stretch_afterwards();
   }
   // A position error of the contact, fed back as a velocity in every sweep: what makes contact solvers

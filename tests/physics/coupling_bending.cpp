@@ -1,6 +1,7 @@
 // A bent thread straightens soft tissue as its EI says, whatever it weighs. See bent_rest.hpp and
 // docs/decisions/0003.
 // seconds: 60
+// on a device
 #include "catch.hpp"
 
 #include "physics/bent_rest.hpp"

@@ -1,5 +1,6 @@
 // The obvious ways to hold a taut bent thread, or to draw it round its bend, which fail.
 // seconds: 90
+// on a device
 #include "physics/bent_thread_checks.hpp"
 
 using namespace test;

@@ -1,5 +1,6 @@
 // T90 in newtons: the thread and the tissue of preset phantom, its step and its friction. See bent_thread.hpp.
 // seconds: 50
+// on a device
 #include <filesystem>
 
 #include <mpmpbd/catalog/suturing_config.hpp>

@@ -1,6 +1,7 @@
 // A4.5 and, in tissue, A3.16: a thread pulled round a bend of 90 degrees: free without friction, a capstan with it,
 // and with drag besides. See bent_thread.hpp.
 // seconds: 15
+// on a device
 #include "physics/bent_thread_checks.hpp"
 
 using namespace test;

@@ -1,5 +1,6 @@
 // Friction and drag of a needle that is drawn along itself through tissue.
 // seconds: 60
+// on a device
 #include "catch.hpp"
 
 #include "physics/needle_in_block.hpp"

@@ -1,5 +1,6 @@
 // A loaded line holds on to the tissue: it sinks in as far as the tissue yields, and no further.
 // seconds: 45
+// on a device
 #include "physics/held_line_checks.hpp"
 
 using namespace test;

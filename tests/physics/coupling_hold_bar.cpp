@@ -1,5 +1,6 @@
 // A rigid bar that is pushed sideways for ten seconds does not creep through the tissue.
 // seconds: 45
+// on a device
 #include "physics/held_line_checks.hpp"
 
 using namespace test;

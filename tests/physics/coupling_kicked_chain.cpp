@@ -1,6 +1,7 @@
 // A thread is kicked inside a free block of swirling tissue. No coupling may raise the energy that it
 // sees, and over the whole motion nothing may feed on the coupling.
 // seconds: 5
+// on a device
 #include "catch.hpp"
 
 #include "physics/held_line.hpp"
@@ -51,7 +52,7 @@ template <class Form> Gain follow(double mass) {
   auto const couple = [&] {
     mpmpbd::place_thread_points(mpmpbd::Solo{}, h.rig.view());
     double const before = kinetic_energy(h.rig) + thread_energy(h.rig, false);
-    auto const faults = h.rig.couple();
+    auto const faults = couple_on_back_end(h.rig);
     double const after = kinetic_energy(h.rig) + thread_energy(h.rig, true);
     gain.of_coupling = std::max(gain.of_coupling, after / before - 1);
     return faults;

@@ -3,6 +3,7 @@
 // a = kappa dx (Peaceman's well), so 1/k changes by ln(2) / (2 pi mu L) when cells are halved. A measured 1/k becomes
 // that of a shaft of radius a when ln(kappa dx / a) / (2 pi mu L) is added to it (docs/concepts/coupling.md).
 // seconds: 25
+// on a device
 #include "catch.hpp"
 
 #include "physics/tissue_block.hpp"
@@ -58,7 +59,7 @@ struct Shaft {
     tissue.scatter(rig);
     for (std::size_t i = 0; i < rig.mass.size(); ++i)
       for (int a = 0; a < 2; ++a) rig.inverse_mass[i][a] = rig.velocity[i][a] = 0;
-    REQUIRE(rig.couple() == 0u);
+    REQUIRE(couple_on_back_end(rig) == 0u);
     tissue.gather(rig);
     double sum = 0;
     for (auto& p : rig.points) {

@@ -1,6 +1,7 @@
 // A needle inside the tissue that is pushed sideways. Its points share the load without pulling against each
 // other, for any substep: friction counts the sizes of their impulses. See docs/decisions/0007.
 // seconds: 20
+// on a device
 #include "catch.hpp"
 
 #include <mpmpbd/geometry/arc.hpp>

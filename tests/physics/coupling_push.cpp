@@ -1,5 +1,6 @@
 // Lateral push of a needle: the force must not depend on where the needle lies between grid nodes.
 // seconds: 25
+// on a device
 #include "catch.hpp"
 
 #include "physics/needle_in_block.hpp"

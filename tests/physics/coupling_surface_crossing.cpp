@@ -1,5 +1,6 @@
 // A line that goes through the surface of the tissue, point by point, is held gradually: no point should
 // take hold with a jerk.
+// on a device
 #include "catch.hpp"
 
 #include "physics/tissue_block.hpp"
@@ -48,7 +49,7 @@ template <class T> struct Crossing {
     auto const x = rig.view();
     mpmpbd::embed_points(mpmpbd::Solo{}, x, rig.nodes());
     for (auto& p : rig.points) p.contact = p.coverage >= T(least) ? Contact::member : Contact::off;
-    REQUIRE(mpmpbd::exchange(mpmpbd::Solo{}, x, rig.nodes()) == 0u);
+    REQUIRE(exchange_on_back_end(rig, x) == 0u);
     double sum = 0;
     for (auto const& p : rig.points) sum += double(p.impulse[0]);
     return sum / (unit.mass() * unit.speed());

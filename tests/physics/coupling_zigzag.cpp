@@ -1,6 +1,7 @@
 // A light thread that is pushed from its end. Tissue must hold every bead against buckling in a zigzag,
 // the shortest wave a thread has and the one that a single contact point per segment does not see.
 // seconds: 15
+// on a device
 #include "catch.hpp"
 
 #include "physics/held_line.hpp"
@@ -34,7 +35,7 @@ std::uint32_t couple_at_midpoints(Line& h) {
   mpmpbd::place_thread_points(team, x);
   place_on_segments(x, {0.5});
   mpmpbd::embed_points(team, x, r.nodes());
-  return mpmpbd::exchange(team, x, r.nodes());
+  return exchange_on_back_end(r, x);
 }
 
 struct Buckling {
@@ -65,7 +66,7 @@ template <class Couple> Buckling push(double mass, double load, double end, Coup
 
 // It buckles at a load of 4.6; below that the crookedness grows by 1/(1 - load/4.6), as of any strut.
 TEST_CASE("tissue holds a thread that is pushed from its end", "[coupling][zigzag]") {
-  auto const couple = [](Line& h) { return h.rig.couple(); };
+  auto const couple = [](Line& h) { return couple_on_back_end(h.rig); };
   for (double mass : {1e-4, 1e-2})
     for (double load : {1.0, 2.0}) {
       Buckling const r = push(mass, load, 1000, couple);

@@ -104,7 +104,7 @@ template <class T, class Form> struct HeldLine {
     return faults;
   }
   template <class Load> std::uint32_t step(Load const& load) {
-    return step(load, [&] { return rig.couple(); });
+    return step(load, [&] { return couple_on_back_end(rig); });
   }
   void move_bar() {
     auto& bar = rig.needle;

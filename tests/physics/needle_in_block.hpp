@@ -81,7 +81,7 @@ template <class T, class Form> struct NeedleInBlock {
   }
   void exchange() {
     auto const x = rig.view();
-    mpmpbd::exchange(mpmpbd::Solo{}, x, rig.nodes(), c.sweeps);
+    exchange_on_back_end(rig, x, c.sweeps);
     rig.previous_dt = rig.dt;
     auto const pull = mpmpbd::needle_wrench(x, rig.needle.centre).force;
     force = 1 / u.force() * mpmpbd::cast<double>(pull);

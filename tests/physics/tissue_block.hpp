@@ -7,7 +7,7 @@
 
 #include <functional>
 
-#include "coupling/rig.hpp"
+#include "physics/exchange_on_back_end.hpp"
 #include "physics/units.hpp"
 
 namespace test {

@@ -3,8 +3,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include <mpmpbd/backend/cuda/team.cuh>
-
+#include "coupling/exchange_on_device.hpp"
 #include "coupling/random_rig.hpp"
 #include "device/report.hpp"
 
@@ -15,75 +14,9 @@ using Q = mpmpbd::QuadraticBSpline;
 using Form = mpmpbd::EmbeddedForm<Q, mpmpbd::Friction, mpmpbd::Drag, true>;
 using Plain = mpmpbd::EmbeddedForm<Q, mpmpbd::NoFriction, mpmpbd::NoDrag, false>;
 
-template <class T, class F>
-__global__ void __launch_bounds__(512)
-    exchange_kernel(mpmpbd::ExchangeView<T, F> x, GridNodes<T> nodes, std::uint32_t* faults) {
-  mpmpbd::BlockTeam const team;
-  mpmpbd::place_thread_points(team, x);
-  mpmpbd::embed_points(team, x, nodes);
-  std::uint32_t const found = mpmpbd::exchange(team, x, nodes);
-  if (threadIdx.x == 0) *faults = found;
-}
-
-template <class U> U* upload(std::vector<U> const& from) {
-  U* to = nullptr;
-  cudaMalloc(&to, sizeof(U) * (from.size() + 1));
-  cudaMemcpy(to, from.data(), sizeof(U) * from.size(), cudaMemcpyHostToDevice);
-  return to;
-}
-template <class U> void download(std::vector<U>& to, U* from) {
-  cudaMemcpy(to.data(), from, sizeof(U) * to.size(), cudaMemcpyDeviceToHost);
-  cudaFree(from);
-}
-
-// One exchange on the device, in place of rig.couple().
-template <class T, class F> std::uint32_t couple_on_device(Rig<T, F>& r, int threads) {
-  auto x = r.view();
-  auto* mass = upload(r.mass);
-  auto* inverse = upload(r.inverse_mass);
-  auto* velocity = upload(r.velocity);
-  auto* bead = upload(r.bead);
-  auto* bead_velocity = upload(r.bead_velocity);
-  auto* bead_mass = upload(r.bead_mass);
-  auto* known = upload(r.known);
-  auto* rest_length = upload(r.rest_length);
-  auto* rest_angle = upload(r.rest_angle);
-  auto* impulse = upload(r.impulse);
-  auto* points = upload(r.points);
-  auto* memory = upload(r.memory);
-  std::vector<mpmpbd::RigidBody<T>> needle{r.needle};
-  auto* body = upload(needle);
-  std::vector<std::uint32_t> faults{99};
-  auto* found = upload(faults);
-
-  x.thread.position = bead;
-  x.thread.velocity = bead_velocity;
-  x.thread.mass = bead_mass;
-  x.thread.known = reinterpret_cast<bool const*>(known);
-  x.thread.rest_length = rest_length;
-  x.thread.rest_angle = rest_angle;
-  x.thread.impulse = impulse;
-  x.needle = body;
-  x.points = points;
-  mpmpbd::use_workspace(x, r.capacity(), memory);
-  exchange_kernel<<<1, threads>>>(x, GridNodes<T>{mass, inverse, velocity}, found);
-  cudaError_t const error = cudaDeviceSynchronize();
-  if (error != cudaSuccess) std::printf("%s\n", cudaGetErrorString(error));
-
-  download(r.velocity, velocity);
-  download(r.bead, bead);
-  download(r.bead_velocity, bead_velocity);
-  download(r.impulse, impulse);
-  download(r.points, points);
-  download(needle, body);
-  download(faults, found);
-  r.needle = needle[0];
-  for (auto* p :
-       {static_cast<void*>(mass), static_cast<void*>(inverse), static_cast<void*>(bead_mass),
-        static_cast<void*>(known), static_cast<void*>(rest_length), static_cast<void*>(rest_angle),
-        static_cast<void*>(memory)})
-    cudaFree(p);
-  return faults[0];
+// In place of rig.couple().
+template <class T, class F> std::uint32_t couple_on_device(Rig<T, F>& rig, int threads) {
+  return exchange_on_device(rig, rig.view(), rig.memory.data(), 2, {threads, true});
 }
 
 template <class T> bool same_bits(std::vector<T> const& a, std::vector<T> const& b) {
