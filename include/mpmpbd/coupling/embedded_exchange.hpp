@@ -51,20 +51,31 @@ MPMPBD_HD std::uint32_t list_triangles(Team_ const& team, S const& sheet, C cons
       [&](int i, auto const& x) { a.listed_at[i] = x; });
   return columns.build(team, sheet);
 }
-// And anew where a vertex has moved by more than the lists allow for since.
-template <class Team_, class S, class C, class Arrays>
+// Whether a vertex has moved by more than the lists allow for since.
+template <class S, class C, class Arrays>
+MPMPBD_HD bool left_lists(S const& sheet, int vertex, C const& columns, Arrays const& a) {
+  auto const d = along_columns(sheet, vertex) - a.listed_at[vertex];
+  return max(abs(d[0]), abs(d[1])) > columns.margin;
+}
+// Whether vertices are looked at where they are moved: by many blocks of a device, where that of the coupling would look at one
+// after the other while all others wait.
+template <class Grid>
+inline constexpr bool looks_where_it_moves = requires(Grid const& grid, int& counter) {
+  grid.add(counter, 1);
+};
+// Lists them anew where one has.
+template <class Grid, class Team_, class S, class C, class Arrays>
 MPMPBD_HD std::uint32_t renew_lists(Team_ const& team, S const& sheet, C const& columns,
                                     Arrays const& a) {
-  each_loaded<16>(
-      team, static_cast<int>(sheet.vertices),
-      [&](int i) {
-        auto const d = along_columns(sheet, i) - a.listed_at[i];
-        return max(abs(d[0]), abs(d[1])) > columns.margin;
-      },
-      [&](int, bool moved) {
-        if (moved) team.add(*a.moved_vertices, 1);
-      });
-  team.sync();
+  if constexpr (!looks_where_it_moves<Grid>) {
+    each_loaded<16>(
+        team, static_cast<int>(sheet.vertices),
+        [&](int i) { return left_lists(sheet, i, columns, a); },
+        [&](int, bool moved) {
+          if (moved) team.add(*a.moved_vertices, 1);
+        });
+    team.sync();
+  }
   if (*a.moved_vertices == 0) return 0;
   team.sync();
   return list_triangles(team, sheet, columns, a);

@@ -53,13 +53,25 @@ template <class In> struct MoveTracers {
     using T = typename Ctx::Scalar;
     TissueVelocity<typename In::Body::Shape, Grid, T> const velocity{grid, context.lattice};
     int const n = vertices(env);
-    if (item < n)
+    if (item < n) {
       advect(detail::row<sheet::Position>(env), item, velocity, context.tick.dt);
-    else
+      if constexpr (detail::looks_where_it_moves<Grid>) look(env, item, context, grid);
+    } else {
       detail::channels_of_environment(env).advect_track(item - n, velocity, context.tick.dt);
+    }
   }
 
  private:
+  template <class Env, class Ctx, class Grid>
+  MPMPBD_HD static void look(Env const& env, int vertex, Ctx const& context, Grid const& grid) {
+    using Exchange = ExchangeImpulses<In>;
+    auto const n = Exchange::counts(env, context);
+    EmbeddedArrays<typename Ctx::Scalar, typename Exchange::Form> a;
+    a.cut(grid.scratch, n);
+    auto const columns = detail::sheet_columns(n, context.lattice, a.column_first, a.column_item);
+    if (detail::left_lists(detail::sheet_of_environment(env), vertex, columns, a))
+      grid.add(*a.moved_vertices, 1);
+  }
   template <class Env> MPMPBD_HD static int vertices(Env const& env) {
     return static_cast<int>(env.template live<SheetVertices>());
   }
@@ -116,7 +128,7 @@ template <class In> struct AdvanceNeedle {
     a.cut(grid.scratch, n);
     auto const sheet = detail::sheet_of_environment(env);
     auto const columns = detail::sheet_columns(n, context.lattice, a.column_first, a.column_item);
-    std::uint32_t faults = detail::renew_lists(team, sheet, columns, a);
+    std::uint32_t faults = detail::renew_lists<Grid>(team, sheet, columns, a);
     if (n.needle_points == 0) return faults;
     team.groups(1, [&](auto const& group, int) {
       auto const& d = env.template domain<Needles>();

@@ -7,8 +7,9 @@
 
 namespace mpmpbd::cuda {
 
-// Nodes as a coupling sees them.
-template <class Move, class Ctx> struct NodesOfGrid {
+// Nodes as a coupling sees them. `by_blocks`: what goes item by item is shared out among blocks, each of which may add to
+// a number that the coupling's own keeps for all.
+template <class Move, class Ctx, bool by_blocks> struct NodesOfGrid {
   using T = typename Ctx::Scalar;
   Velocities<T> velocities;
   Ctx const& context;
@@ -30,15 +31,19 @@ template <class Move, class Ctx> struct NodesOfGrid {
         lattice.position(i % lattice.nodes[0], row % lattice.nodes[1], row / lattice.nodes[1]);
     return Move::inverse_mass(velocity(i), mass(i), x, context);
   }
+  __device__ void add(int& counter, int amount) const requires by_blocks {
+    atomicAdd(&counter, amount);
+  }
 };
 
-template <class Scene, class T> struct Couple {
+template <class Scene, class T, bool items_by_blocks = false> struct Couple {
   using Stages = typename detail::TogetherOf<typename Scene::Substep::Stages>::type;
   using Before = typename detail::AtItemWise<Stages>::Before;
   using ItemWise = typename detail::AtItemWise<Stages>::ItemWise;
   using After = typename detail::AtItemWise<Stages>::After;
   using Ctx = typename StepRecord<Scene, T>::Ctx;
-  using Nodes_ = NodesOfGrid<MoveNodes<typename Scene::Body, typename Scene::Effects>, Ctx>;
+  using Nodes_ =
+      NodesOfGrid<MoveNodes<typename Scene::Body, typename Scene::Effects>, Ctx, items_by_blocks>;
   static constexpr bool any = detail::couples<Scene>;
 
   // Stages of a substep on the nodes of an environment, Before or After. `fast`: launch.fast_bytes of shared memory.

@@ -34,6 +34,8 @@ template <class Scene, class T> struct TiledLaunch {
   static constexpr int grids_of_one = Scene::Body::Transfer::needs_previous_grid ? 2 : 1;
 };
 
+template <class Scene, class T> using TiledCouple = Couple<Scene, T, true>;
+
 // The environment of this block, and its place among the blocks of that environment.
 template <class Scene, class T> struct TiledBlock {
   using Record = TiledRecord<Scene, T>;
@@ -130,7 +132,7 @@ template <class Scene, class T> class TiledParticles {
 // A function of its own, so that what it takes does not crowd the particles' registers.
 template <class Scene, class T>
 __device__ __noinline__ void tiled_items(TiledBlock<Scene, T> const& block, int s) {
-  using Coupling = Couple<Scene, T>;
+  using Coupling = TiledCouple<Scene, T>;
   auto const context = block.record().at(s);
   Coupling::run_items(block.launch.step, block.env, block.arena().velocity, context,
                       block.items(Coupling::items(block.launch.step, block.env)));
@@ -145,7 +147,7 @@ __global__ void __launch_bounds__(threads, 512 / threads)
   auto block = TiledBlock<Scene, T>::of(launch, parts + item_parts);
   if (!block.has(s)) return;
   if (block.part < item_parts) {
-    if constexpr (Couple<Scene, T>::ItemWise::size > 0) tiled_items(block, s);
+    if constexpr (TiledCouple<Scene, T>::ItemWise::size > 0) tiled_items(block, s);
     return;
   }
   block.part -= item_parts;
@@ -169,7 +171,7 @@ __global__ void tiled_nodes(__grid_constant__ TiledLaunch<Scene, T> const launch
 // What concerns an environment as a whole, by one block each: its step is opened, its substeps are chosen, what the
 // last substep has met is counted and the coupling of the next carried out.
 template <class Scene, class T> class TiledEnvironment {
-  using Coupling = Couple<Scene, T>;
+  using Coupling = TiledCouple<Scene, T>;
 
  public:
   static constexpr int most_threads = 256;
@@ -330,7 +332,7 @@ void TiledSteps<Scene, T>::launch_all(Launch<Scene, T> const& step, int threads,
   };
   int const particles = parts_of(step.tables.template of<Particles>().view.capacity);
   int const nodes = parts_of(step.lattice.count());
-  auto const most_items = Couple<Scene, T>::most_items(step);
+  auto const most_items = TiledCouple<Scene, T>::most_items(step);
   auto const move = [&](int s) {
     int const items = s >= 0 && most_items > 0 ? parts_of(most_items) : 0;
     start(stream, "a step", tiled_particles<Scene, T, most_threads>,
