@@ -16,6 +16,7 @@ template <class Body> struct Heavy : Scene<Body, Gravity> {};
 // To be used as a Rig is.
 template <class Body, class T = double> class Simulated : public Measured<Simulated<Body, T>> {
   using Run = Simulation<Heavy<Body>, test::BackEnd, T>;
+  std::unique_ptr<Run> run_;
 
  public:
   // The state where it is newest. Reading it after a step brings it from a device, writing it sends it there before the next.
@@ -54,10 +55,6 @@ template <class Body, class T = double> class Simulated : public Measured<Simula
         Body::template residual<C>(access_environment(state, 0, typename Run::Store::Domains{})));
   }
 
- private:
-  std::unique_ptr<Run> run_;
-
- public:
   Store store;
   std::uint32_t faults = 0;
 };
