@@ -1,4 +1,4 @@
-// seconds: 2
+// seconds: 5
 // on a device
 // A3.3 of verification.md: the period of a hanging chain of N equal beads is a zero of the Laguerre polynomial.
 #include "catch.hpp"

@@ -1,4 +1,4 @@
-// seconds: 2
+// seconds: 8
 // on a device
 // A3.4 of verification.md: at equal cost, substeps stretch a chain far less than iterations do.
 //
