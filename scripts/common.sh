@@ -3,7 +3,7 @@
 # shellcheck disable=SC2034 # those who source it use the variables
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build_root=${MPMPBD_BUILD_ROOT:-$root/build}
+build_root=$(realpath -m -- "${MPMPBD_BUILD_ROOT:-$root/build}") # from where it is called, before any `cd`
 jobs=${MPMPBD_JOBS:-$(nproc 2>/dev/null || echo 2)}
 python_venv="$build_root/python-venv" # Debian's Python with Gymnasium, by scripts/setup.sh python
 cuda_minimum=12.4
