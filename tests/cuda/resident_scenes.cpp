@@ -1,6 +1,6 @@
 // Other compositions in the resident form, on an emulated device: tissue alone, a coupling that reads particles, one that
 // works on the grid, and a material whose stress is state.
-// seconds: 5
+// seconds: 2
 #include "catch.hpp"
 #include "cuda/scenes.hpp"
 

@@ -1,6 +1,6 @@
 // The resident form of the suturing scene, on an emulated device: it gives what the serial back end gives, and the same
 // bits for any order and number of threads.
-// seconds: 15
+// seconds: 6
 #include <mpmpbd/backend/cuda/simulation.cuh>
 
 #include "catch.hpp"
