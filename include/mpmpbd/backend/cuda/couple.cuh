@@ -7,9 +7,9 @@
 
 namespace mpmpbd::cuda {
 
-// Nodes as a coupling sees them. `by_blocks`: what goes item by item is shared out among blocks, each of which may add to
-// a number that the coupling's own keeps for all.
-template <class Move, class Ctx, bool by_blocks> struct NodesOfGrid {
+// Nodes as a coupling sees them. `items_by_blocks`: a stage that goes item by item is shared out among blocks, and has `add` to
+// count over all of them.
+template <class Move, class Ctx, bool items_by_blocks> struct NodesOfGrid {
   using T = typename Ctx::Scalar;
   Velocities<T> velocities;
   Ctx const& context;
@@ -31,7 +31,7 @@ template <class Move, class Ctx, bool by_blocks> struct NodesOfGrid {
         lattice.position(i % lattice.nodes[0], row % lattice.nodes[1], row / lattice.nodes[1]);
     return Move::inverse_mass(velocity(i), mass(i), x, context);
   }
-  __device__ void add(int& counter, int amount) const requires by_blocks {
+  __device__ void add(int& counter, int amount) const requires items_by_blocks {
     atomicAdd(&counter, amount);
   }
 };

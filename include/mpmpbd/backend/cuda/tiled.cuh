@@ -34,6 +34,7 @@ template <class Scene, class T> struct TiledLaunch {
   static constexpr int grids_of_one = Scene::Body::Transfer::needs_previous_grid ? 2 : 1;
 };
 
+// Blocks beside those of particles carry out what goes item by item.
 template <class Scene, class T> using TiledCouple = Couple<Scene, T, true>;
 
 // The environment of this block, and its place among the blocks of that environment.
