@@ -1,6 +1,7 @@
 // The exchange of a rig, carried out by one thread block.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include <mpmpbd/backend/cuda/memory.cuh>
@@ -100,7 +101,7 @@ template <class T, class RigForm, class Form>
 std::uint32_t exchange_on_device(Rig<T, RigForm>& rig, mpmpbd::ExchangeView<T, Form> const& x,
                                  char* memory, int sweeps = 2, OfBlock how = {}) {
   RigOnDevice const there(rig, x, memory);
-  std::uint32_t faults = 99;
+  std::uint32_t faults = 99;  // what no exchange returns
   Mirror const found(std::span(&faults, 1));
   mpmpbd::cuda::start({}, "an exchange", exchange_by_block<T, Form>, 1, how.threads, 0,
                       there.view(), there.nodes(), sweeps, how.places, found.data());

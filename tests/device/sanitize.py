@@ -84,7 +84,7 @@ def main():
     parser.add_argument("programs", type=pathlib.Path, help="folder of the device tests")
     parser.add_argument("names", nargs="*", help="without test_device_; all where none is named")
     parser.add_argument("--tool", dest="tools", action="append", choices=(*TOOLS, "synccheck"),
-                        help="in place of memcheck, racecheck and initcheck; may be given again")
+                        help=f"in place of {', '.join(TOOLS)}; may be given again")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time on a GPU")
     parser.add_argument("--limit", type=int, default=600, help="of a run [s]")
     parser.add_argument("--out", type=pathlib.Path, help="a folder for what the runs print")

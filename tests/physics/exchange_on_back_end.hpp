@@ -4,7 +4,7 @@
 #include "physics/back_end.hpp"
 
 #ifdef MPMPBD_PHYSICS_ON_DEVICE
-#include "coupling/exchange_on_device.hpp"
+#include "coupling/exchange_on_device.cuh"
 #else
 #include "coupling/rig.hpp"
 #endif

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
 #include <mpmpbd/effects/gravity.hpp>
 #include <mpmpbd/scene/simulation.hpp>

@@ -10,7 +10,7 @@ RodMaterial const nylon{2e9, 0.115e-3, 1140};  // 3-0
 
 struct Body : Pbd<Constraints<Bend>, Xpbd<1>> {};
 
-// Torque of a joint between two segments of 2 mm, by one projection of a constraint so soft that nothing moves.
+// Torque of a joint between two segments of 2 mm, in one step of a constraint so soft that nothing moves.
 template <class T> double torque(double turn) {
   double const l = 2e-3;
   Line const points{{{-l, 0, 0}}, {{0, 0, 0}}, {{l * std::cos(turn), l * std::sin(turn), 0}}};

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "coupling/exchange_on_device.hpp"
+#include "coupling/exchange_on_device.cuh"
 #include "coupling/random_rig.hpp"
 #include "device/report.hpp"
 
