@@ -1,38 +1,27 @@
 // T90 in newtons: the thread and the tissue of preset phantom, its step and its friction. See bent_thread.hpp.
 // seconds: 50
 // on a device
-#include <filesystem>
-
-#include <mpmpbd/catalog/suturing_config.hpp>
-#include <mpmpbd/io/config.hpp>
-
 #include "physics/bent_thread_checks.hpp"
+#include "support/preset_numbers.hpp"
 
 using namespace test;
 
 namespace {
 
-mpmpbd::SuturingConfig phantom() {
-  auto const root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
-  return mpmpbd::io::read_config<mpmpbd::SuturingConfig>(root / "examples/scenes/phantom.toml");
-}
-
 // The scene's tissue is viscous too, which only calms it.
 BentCase pulled_with(double newtons) {
-  auto const scene = phantom();
-  auto const lame = scene.tissue.lame();
-  auto const thread = scene.thread.material();
-  Units const u{scene.domain.cell_size, scene.tissue.density, lame.mu};
+  auto const scene = preset_numbers("phantom");
+  Units const u{scene.cell_size, scene.density, scene.mu};
   BentCase c;
   c.unit = u;
-  c.lambda = lame.lambda / lame.mu;
+  c.lambda = scene.lambda / scene.mu;
   c.tension = newtons / u.force();
-  c.bead_mass = thread.line_density() * u.length * bent_length / c.segments / u.mass();
-  c.stiffness = thread.axial_stiffness() / u.force();
-  c.radius = thread.radius / u.length;
-  c.friction = scene.contact.friction;
-  c.clamp_pressure = scene.contact.clamp_pressure / u.modulus;
-  c.dt = scene.time.step / scene.time.substeps / u.time();
+  c.bead_mass = scene.thread_line_density * u.length * bent_length / c.segments / u.mass();
+  c.stiffness = scene.thread_stiffness / u.force();
+  c.radius = scene.thread_radius / u.length;
+  c.friction = scene.friction;
+  c.clamp_pressure = scene.clamp_pressure / u.modulus;
+  c.dt = scene.substep / u.time();
   c.end = 1 / u.time();
   return c;
 }

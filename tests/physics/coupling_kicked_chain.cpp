@@ -57,7 +57,7 @@ template <class Form> Gain follow(double mass) {
     gain.of_coupling = std::max(gain.of_coupling, after / before - 1);
     return faults;
   };
-  for (double least = total_energy(h); h.time < 60;) {
+  for (double least = total_energy(h); h.before(60);) {
     REQUIRE(h.step([] {}, couple) == 0u);
     double const now = total_energy(h);
     least = std::min(least, now);

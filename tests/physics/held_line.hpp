@@ -11,6 +11,11 @@
 namespace test {
 
 template <class T, class Form> struct HeldLine {
+  struct Vertices {
+    Vec3<T> const* of;
+    MPMPBD_HD Vec3<T> operator()(std::int64_t i) const { return of[i]; }
+  };
+
   static constexpr double low = 3, high = 9;  // of the block, in cells
   static constexpr double x = 6.2, y = 5.7;   // of the line
 
@@ -19,6 +24,8 @@ template <class T, class Form> struct HeldLine {
   Tissue<T> tissue;
   std::vector<Vec3<T>> tracer;  // tissue points where the line held the tissue first
   double time = 0, bottom, top;
+
+  bool before(double end) const { return time < end; }
 
   // `buried`: how deep the line ends in the tissue.
   HeldLine(double dt, bool clamped, double buried, Units const& u = {})
@@ -66,21 +73,22 @@ template <class T, class Form> struct HeldLine {
     for (int i = 0; i < 40; ++i) tracer.push_back(place(bottom + (top - bottom) * (i + 0.5) / 40));
   }
 
-  Vec3<T> vertex(std::int64_t i) const {
-    if (rig.beads() > 0) return rig.bead[std::size_t(i)];
+  std::vector<Vec3<T>> line() const {
+    if (rig.beads() > 0) return rig.bead;
     auto const& first = rig.points.front();
     auto const& last = rig.points.back();
-    return i == 0 ? first.position - T(0.5) * first.length * first.axis
-                  : last.position + T(0.5) * last.length * last.axis;
+    return {first.position - T(0.5) * first.length * first.axis,
+            last.position + T(0.5) * last.length * last.axis};
   }
   // Largest distance of the marked tissue from the line [cells].
   double slip() const {
+    auto const now = line();
+    Vertices const vertices{now.data()};
     double most = 0;
-    for (auto const& p : tracer)
-      most = std::max(most,
-                      double(mpmpbd::nearest_on_polyline([&](std::int64_t i) { return vertex(i); },
-                                                         std::max(rig.beads(), 2), p)
-                                 .distance));
+    for (auto const& p : tracer) {
+      auto const nearest = mpmpbd::nearest_on_polyline(vertices, std::int64_t(now.size()), p);
+      most = std::max(most, double(nearest.distance));
+    }
     return most / unit.length;
   }
   // Adds a force to a bead, or to the bar's centre.

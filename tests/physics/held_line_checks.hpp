@@ -37,11 +37,11 @@ struct Slip {
 // Moves on for `span` after the line has settled.
 template <class Load> Slip watch(Held& h, Load const& load, double span) {
   Slip s;
-  for (long n = 0; h.time < settled + span; ++n) {
-    h.tissue.damping = h.time < 100 ? 0.1 / h.unit.time() : 0;
+  for (long n = 0; h.before(settled + span); ++n) {
+    h.tissue.damping = h.before(100) ? 0.1 / h.unit.time() : 0;
     REQUIRE(h.step(load) == 0u);
     if (n % 10 != 0) continue;
-    if (h.time < settled)
+    if (h.before(settled))
       s.settled = h.slip();
     else
       s.growth = std::max(s.growth, h.slip() - s.settled);

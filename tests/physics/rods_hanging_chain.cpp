@@ -1,11 +1,13 @@
 // seconds: 5
 // on a device
 // A3.3 of verification.md: the period of a hanging chain of N equal beads is a zero of the Laguerre polynomial.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "catch.hpp"
 #include "physics/ringing.hpp"
 #include "physics/rods_on_back_end.hpp"
-
-#include <Eigen/Dense>
 
 using namespace rods;
 
@@ -14,20 +16,29 @@ struct Body : Pbd<Constraints<Distance>, DirectBanded<2>> {};
 
 double const length = 0.37;
 
-// Slowest mode of N beads below a fixed one: omega^2 = lambda g/l, shape per bead.
-std::pair<double, Eigen::VectorXd> slowest_mode(int N) {
-  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(N, N);
-  for (int k = 0; k < N; ++k) {  // link k is above bead k and carries N - k beads
-    double const tension = N - k;
-    K(k, k) += tension;
-    if (k > 0) {
-      K(k - 1, k - 1) += tension;
-      K(k, k - 1) -= tension;
-      K(k - 1, k) -= tension;
-    }
+// L_0 ... L_N at z: how far beads swing, from the lowest upwards, where omega^2 = z g/l. Above the bead of L_m is a link that
+// carries m + 1 beads: (m + 1) (L_m - L_(m+1)) - m (L_(m-1) - L_m) = z L_m.
+std::vector<double> laguerre(int N, double z) {
+  std::vector<double> L{1, 1 - z};
+  for (int m = 1; m < N; ++m)
+    L.push_back(((2 * m + 1 - z) * L[std::size_t(m)] - m * L[std::size_t(m) - 1]) / (m + 1));
+  return L;
+}
+
+// Slowest mode of N beads below a fixed one, L_N = 0: lambda, and shape per bead from above, of length 1.
+std::pair<double, std::vector<double>> slowest_mode(int N) {
+  double low = 0, high = 4.0 / N;  // the second zero is beyond
+  for (int halved = 0; halved < 60; ++halved) {
+    double const middle = 0.5 * (low + high);
+    (laguerre(N, middle).back() > 0 ? low : high) = middle;
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> const solved(K);
-  return {solved.eigenvalues()(0), solved.eigenvectors().col(0)};
+  std::vector<double> shape = laguerre(N, low);
+  shape.pop_back();
+  std::ranges::reverse(shape);
+  double square = 0;
+  for (double const out : shape) square += out * out;
+  for (double& out : shape) out /= std::sqrt(square);
+  return {low, shape};
 }
 
 // The period in units of sqrt(L/g), with `steps` per period.
@@ -41,7 +52,7 @@ double period(int N, int steps) {
   V3 at{{0.1, 0.2, 0.5}};
   double before = 0;
   for (int k = 0; k < N; ++k) {  // links keep their length
-    double const out = 1e-4 * length * shape(k), dx = out - before;
+    double const out = 1e-4 * length * shape[std::size_t(k)], dx = out - before;
     at += vec(dx, 0.0, -std::sqrt(l * l - dx * dx));
     before = out;
     rig.store.set<bead::Position>(0, k + 1, at);
@@ -50,7 +61,7 @@ double period(int N, int steps) {
   for (int s = 0; s < steps; ++s) {
     rig.step(h);
     double x = 0;
-    for (int k = 0; k < N; ++k) x += shape(k) * (rig.x(k + 1)[0] - 0.1);
+    for (int k = 0; k < N; ++k) x += shape[std::size_t(k)] * (rig.x(k + 1)[0] - 0.1);
     mode.add(x);
   }
   REQUIRE(rig.faults == 0);

@@ -4,19 +4,15 @@
 #include <mpmpbd/backend/threads.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>
 #include <mpmpbd/catalog/suturing_report.hpp>
-#include <mpmpbd/io/config.hpp>
 
 #include "catch.hpp"
+#include "support/presets.hpp"
 
 using namespace mpmpbd;
 
 namespace {
 
-SuturingConfig reduced_paper() {
-  auto const scenes = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() /
-                      "examples" / "scenes";
-  return io::read_config<SuturingConfig>(scenes / "paper.toml", {"tissue.points = [24, 12, 12]"});
-}
+SuturingConfig reduced_paper() { return test::preset("paper", {"tissue.points = [24, 12, 12]"}); }
 
 suturing::StitchReport stitch(SuturingConfig const& c, bool coupled) {
   Simulation<Suturing, Threads, float> sim(suturing::options(c));

@@ -3,22 +3,20 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include <mpmpbd/backend/serial.hpp>
 #include <mpmpbd/catalog/suturing_hand.hpp>
-#include <mpmpbd/io/config.hpp>
 #include <mpmpbd/testing/samples.hpp>
+
+#include "support/presets.hpp"
 
 namespace test {
 
 inline mpmpbd::SuturingConfig coarse_stitch(std::vector<std::string> const& settings = {}) {
-  auto const scenes = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() /
-                      "examples" / "scenes";
-  return mpmpbd::io::read_config<mpmpbd::SuturingConfig>(scenes / "coarse.toml", settings);
+  return preset("coarse", settings);
 }
 
 template <class T> using StitchRun = mpmpbd::Simulation<mpmpbd::Suturing, mpmpbd::Serial, T>;

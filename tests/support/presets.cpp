@@ -1,0 +1,33 @@
+#include "support/presets.hpp"
+
+#include <filesystem>
+
+#include <mpmpbd/io/config.hpp>
+
+#include "support/preset_numbers.hpp"
+
+namespace test {
+
+mpmpbd::SuturingConfig preset(std::string const& name, std::vector<std::string> const& settings) {
+  auto const root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  return mpmpbd::io::read_config<mpmpbd::SuturingConfig>(
+      root / "examples" / "scenes" / (name + ".toml"), settings);
+}
+
+PresetNumbers preset_numbers(std::string const& name) {
+  auto const c = preset(name);
+  auto const lame = c.tissue.lame();
+  auto const thread = c.thread.material();
+  return {c.domain.cell_size,
+          c.tissue.density,
+          lame.lambda,
+          lame.mu,
+          thread.radius,
+          thread.line_density(),
+          thread.axial_stiffness(),
+          c.contact.friction,
+          c.contact.clamp_pressure,
+          c.time.step / c.time.substeps};
+}
+
+}  // namespace test
