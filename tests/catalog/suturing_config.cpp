@@ -4,15 +4,13 @@
 
 #include "catch.hpp"
 #include "io/scratch.hpp"
+#include "support/scenes.hpp"
 
 using namespace mpmpbd;
 
 namespace {
 
-std::filesystem::path preset(std::string const& name) {
-  return std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() / "examples" /
-         "scenes" / (name + ".toml");
-}
+std::filesystem::path preset(std::string const& name) { return test::scenes() / (name + ".toml"); }
 SuturingConfig read(std::string const& name) {
   return io::read_config<SuturingConfig>(preset(name));
 }

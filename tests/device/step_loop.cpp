@@ -17,6 +17,7 @@
 #include "cuda/fixed_point_noise.hpp"
 #include "device/report.hpp"
 #include "rl/sewn.hpp"
+#include "support/scenes.hpp"
 
 namespace {
 
@@ -157,9 +158,7 @@ void compare_stitches(rl::SuturingTaskConfig const& c) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  auto const scenes = argc > 1 ? io::Path(argv[1])
-                               : io::Path(__FILE__).parent_path().parent_path().parent_path() /
-                                     "examples" / "scenes";
+  auto const scenes = argc > 1 ? io::Path(argv[1]) : test::scenes();
   auto const brief =
       settings(scenes, {"episode.decision_interval=5", "episode.limit=3", "episode.frames=2"});
   compare_companies(brief, argc > 2 ? 1 : 7);

@@ -17,7 +17,7 @@ BentCase pulled_with(double newtons) {
   c.lambda = scene.lambda / scene.mu;
   c.tension = newtons / u.force();
   c.bead_mass = scene.thread_line_density * u.length * bent_length / c.segments / u.mass();
-  c.stiffness = scene.thread_stiffness / u.force();
+  c.stiffness = scene.thread_axial_stiffness / u.force();
   c.radius = scene.thread_radius / u.length;
   c.friction = scene.friction;
   c.clamp_pressure = scene.clamp_pressure / u.modulus;

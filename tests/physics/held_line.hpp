@@ -11,6 +11,7 @@
 namespace test {
 
 template <class T, class Form> struct HeldLine {
+  // A functor, for a lambda of the host cannot be handed to a function that a kernel may call too.
   struct Vertices {
     Vec3<T> const* of;
     MPMPBD_HD Vec3<T> operator()(std::int64_t i) const { return of[i]; }
@@ -25,6 +26,7 @@ template <class T, class Form> struct HeldLine {
   std::vector<Vec3<T>> tracer;  // tissue points where the line held the tissue first
   double time = 0, bottom, top;
 
+  // A function, for nvcc takes `.time <` in the head of a loop for the begin of a template's arguments.
   bool before(double end) const { return time < end; }
 
   // `buried`: how deep the line ends in the tissue.

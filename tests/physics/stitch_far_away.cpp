@@ -9,7 +9,7 @@ using namespace mpmpbd;
 // There positions are rounded 4096 times as coarsely. As in stitch_units, a shake of the start by that much tells what
 // rounding may do to a whole stitch.
 TEST_CASE("B8: a stitch is the same 4096 cells away", "[stability][translation]") {
-  auto const here = test::coarse_stitch();
+  auto const here = test::preset("coarse");
   auto there = here;
   Vec3<double> const shift = vec(4096 * here.domain.cell_size, 0.0, 0.0);
   there.domain.size += shift;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include <mpmpbd/backend/serial.hpp>
@@ -14,10 +13,6 @@
 #include "support/presets.hpp"
 
 namespace test {
-
-inline mpmpbd::SuturingConfig coarse_stitch(std::vector<std::string> const& settings = {}) {
-  return preset("coarse", settings);
-}
 
 template <class T> using StitchRun = mpmpbd::Simulation<mpmpbd::Suturing, mpmpbd::Serial, T>;
 

@@ -13,7 +13,7 @@ constexpr test::UnitSystem small{1e3, 1e3, 1e3};  // mm, g, ms
 
 // Runs both side by side, the second with the motion that the hand gives the first.
 template <class T> struct Both {
-  SuturingConfig config = test::coarse_stitch();
+  SuturingConfig config = test::preset("coarse");
   test::StitchRun<T> metres{suturing::options(config)}, millimetres{told_small(config)};
   suturing::ScriptedHand hand{config.script()};
 

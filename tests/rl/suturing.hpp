@@ -9,14 +9,12 @@
 #include <mpmpbd/rl/suturing/task.hpp>
 #include <mpmpbd/rl/vector_env.hpp>
 
+#include "support/scenes.hpp"
+
 namespace test {
 
 namespace rl = mpmpbd::rl;
 
-inline std::filesystem::path scenes() {
-  return std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() / "examples" /
-         "scenes";
-}
 inline rl::SuturingTaskConfig suturing_config(std::string const& scene,
                                               std::vector<std::string> const& settings = {}) {
   return mpmpbd::io::read_config<rl::SuturingTaskConfig>(

@@ -1,17 +1,14 @@
 #include "support/presets.hpp"
 
-#include <filesystem>
-
 #include <mpmpbd/io/config.hpp>
 
 #include "support/preset_numbers.hpp"
+#include "support/scenes.hpp"
 
 namespace test {
 
 mpmpbd::SuturingConfig preset(std::string const& name, std::vector<std::string> const& settings) {
-  auto const root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
-  return mpmpbd::io::read_config<mpmpbd::SuturingConfig>(
-      root / "examples" / "scenes" / (name + ".toml"), settings);
+  return mpmpbd::io::read_config<mpmpbd::SuturingConfig>(scenes() / (name + ".toml"), settings);
 }
 
 PresetNumbers preset_numbers(std::string const& name) {
