@@ -8,8 +8,10 @@
 //
 // environments  2 and 4 substeps, each of the contents (or those named), for as many environments
 // bodies        one environment with larger blocks of tissue; needle and thread apart
+// small         ten environments with smaller blocks of tissue and nothing else
 // streams       ten environments, dealt out to 1, 2, 4 and 10 runs with a stream each
-// moved         in contact, 4 substeps: needles are moved at random, and a hundredth of the environments begins anew, each step
+// moved         in contact: needles are moved at random, and a hundredth of the environments begins anew, each step
+// moved_body    so is the largest of the bodies, whose needle may touch it
 // devices       so many environments (1,056) on each device that there is: on one, then on all at once
 // decisions     the step loop of the suturing task, moved at random: a step is a decision, 20 steps of 4 substeps
 // threads       threads of 100 beads without tissue, hung up at one end: steps of 0.002 s, 2 substeps; `particles` are beads
@@ -166,6 +168,10 @@ void fill(OnDevice& run, OnHost const& start) {
   run.remember();
 }
 
+char const* form_of(OnDevice const& run) {
+  return run.execution().starts_with("resident") ? "resident" : "tiled";
+}
+
 // A run per place.
 void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
   std::vector<OnDevice> runs;
@@ -188,8 +194,8 @@ void measure(Case const& c, std::vector<Place> const& places, int devices = 1) {
   auto const m = time_of(environments > 200 ? 4 : 20, step, wait);
   std::uint32_t status = 0;
   for (auto const& run : runs) status |= status_of_all(run);
-  print(c.table, runs[0].execution().starts_with("resident") ? "resident" : "tiled", runs.size(),
-        devices, load(c.config, c.contents, environments), 1, m, status);
+  print(c.table, form_of(runs[0]), runs.size(), devices, load(c.config, c.contents, environments),
+        1, m, status);
 }
 
 constexpr int steps_to_tissue = 400;
@@ -206,11 +212,21 @@ void environments(std::vector<std::int64_t> counts, std::vector<Contents> const&
   }
 }
 
+constexpr double scale_of_4_million = 5.85;
+
 // 20 and 160 thousand, 1.3 and 4 million particles, before the needle has come near.
 void bodies(Cuda where) {
-  for (double scale : {1.0, 2.0, 4.0, 5.85}) {
+  for (double scale : {1.0, 2.0, 4.0, scale_of_4_million}) {
     auto const c = config(4, scale);
     measure({"bodies", c, stitch(c, 0, Contents::apart), Contents::apart}, {{where, 1}});
+  }
+}
+
+// Ten environments of 576 to 10,240 particles.
+void small(Cuda where) {
+  for (double scale : {0.3, 0.4, 0.5, 0.6, 0.8}) {
+    auto const c = config(4, scale);
+    measure({"small", c, stitch(c, 0, Contents::tissue), Contents::tissue}, {{where, 10}});
   }
 }
 
@@ -261,23 +277,32 @@ class Hands {
   cuda::Memory twists_, masks_;
 };
 
+// Needles are moved as the hand of the step loop may; timed once environments differ.
+void measure_moved(Case const& c, Place const& place) {
+  auto const n = place.environments;
+  OnDevice run(suturing::options(c.config, n), place.where);
+  fill(run, c.start);
+  Hands hands(n, {});
+  auto const step = [&] { hands.step(run, c.config.time.step); };
+  for (int s = 0; s < 200; ++s) step();
+  run.wait();
+  auto const m = time_of(n > 200 ? 40 : 100, step, [&] { run.wait(); });
+  print(c.table, form_of(run), 1, 1, load(c.config, c.contents, n), 1, m, status_of_all(run));
+}
+
 void moved(std::vector<std::int64_t> counts, Cuda where) {
-  rl::SuturingTaskConfig task;
-  task.scene = config(4);
-  auto const start = stitch(task.scene, steps_to_tissue, Contents::contact);
-  double const h = task.scene.time.step;
   if (counts.empty()) counts = {10, 132, 264, 528, 1056, 2112, 4224};
-  for (auto n : counts) {
-    OnDevice run(suturing::options(task.scene, n), where);
-    fill(run, start);
-    Hands hands(n, task);
-    auto const step = [&] { hands.step(run, h); };
-    for (int s = 0; s < 200; ++s) step();  // until environments differ
-    run.wait();
-    auto const m = time_of(n > 200 ? 40 : 100, step, [&] { run.wait(); });
-    print("moved", run.execution().starts_with("resident") ? "resident" : "tiled", 1, 1,
-          load(task.scene, Contents::contact, n), 1, m, status_of_all(run));
+  for (int substeps : {2, 4}) {
+    auto const c = config(substeps);
+    auto const start = stitch(c, steps_to_tissue, Contents::contact);
+    for (auto n : counts) measure_moved({"moved", c, start, Contents::contact}, {where, n});
   }
+}
+
+// The largest of `bodies`: its surface is looked at, the needle has not come near.
+void moved_body(Cuda where) {
+  auto const c = config(4, scale_of_4_million);
+  measure_moved({"moved_body", c, stitch(c, 0, Contents::contact), Contents::contact}, {where, 1});
 }
 
 void streams(Cuda where) {
@@ -386,7 +411,9 @@ int main(int argc, char** argv) {
   std::map<std::string, std::function<void()>> const known{
       {"environments", [&] { environments(counts, contents, where); }},
       {"bodies", [&] { bodies(where); }},
+      {"small", [&] { small(where); }},
       {"moved", [&] { moved(counts, where); }},
+      {"moved_body", [&] { moved_body(where); }},
       {"streams", [&] { streams(where); }},
       {"devices", [&] { devices(counts, where); }},
       {"decisions", [&] { decisions(counts, where); }},
@@ -395,7 +422,8 @@ int main(int argc, char** argv) {
     if (!known.contains(table)) {
       std::fprintf(
           stderr,
-          "'%s' is no table: environments, bodies, moved, streams, devices, decisions, threads\n",
+          "'%s' is no table: environments, bodies, small, moved, moved_body, streams, devices, decisions, "
+          "threads\n",
           table.c_str());
       return 1;
     }

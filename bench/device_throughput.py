@@ -19,7 +19,11 @@ RUNS = (
     ("environments", "resident"),
     ("environments", "tiled", "1", "10", "132", "264", "528", "1056"),
     ("bodies", "tiled"),
-    ("moved",),
+    ("small", "resident"),
+    ("small", "tiled"),
+    ("moved", "resident"),
+    ("moved", "tiled", "10", "132", "1056"),
+    ("moved_body", "tiled"),
     ("streams", "resident"),
     ("streams", "tiled"),
     ("devices",),
@@ -109,14 +113,25 @@ def environments(rows):
 
 
 def moved(rows):
-    found = rows.all(table="moved")
-    lines = [(r["environments"], r["form"], time_of(r), f"{float(r['ns']):.4f}", r["faults"].replace("+", ", ")) for r in found]
-    return table(("environments", "form", "ms per step", "ns per particle and substep", "faults of any environment"), lines)
+    found = rows.all(table="moved") + rows.all(table="moved_body")
+    known = ("environments", "particles", "substeps", "form")
+    lines = [(*(r[k] for k in known), time_of(r), f"{float(r['ns']):.4f}", r["faults"].replace("+", ", ")) for r in found]
+    return table((*known, "ms per step", "ns per particle and substep", "faults of any environment"), lines)
 
 
-def bodies(rows):
-    lines = [(r["particles"], r["form"], time_of(r), f"{float(r['ns']):.4f}") for r in rows.all(table="bodies")]
+def bodies(rows, name="bodies"):
+    lines = [(r["particles"], r["form"], time_of(r), f"{float(r['ns']):.4f}") for r in rows.all(table=name)]
     return table(("particles", "form", "ms per step", "ns per particle and substep"), lines)
+
+
+def small(rows):
+    if not rows.all(table="small"):
+        return ()
+    return (
+        "## Ten smaller bodies\n",
+        "Ten environments of tissue alone, 4 substeps: where the [automatic form](../decisions/0034-few-environments-are-tiled.md) has its border.\n",
+        bodies(rows, "small"),
+    )
 
 
 def devices(rows):
@@ -214,12 +229,13 @@ def write(rows, out):
         f"issued ({ISSUE} ns).\n",
         environments(rows),
         "## Moved at random\n",
-        "4 substeps, in contact: every 20 steps needles move otherwise, as fast as the hand of the step loop may, and in every step a hundredth of "
+        "In contact: every 20 steps needles move otherwise, as fast as the hand of the step loop may, and in every step a hundredth of "
         "the environments,\ndrawn by lot, begins anew. Substeps are fixed, so that some needles are too fast for them.\n",
         moved(rows),
         "## One larger body\n",
         "4 substeps; needle and thread beside it.\n",
         bodies(rows),
+        *small(rows),
         "## Several devices\n",
         "As many environments on each, 4 substeps, in contact, one thread of the host.\n",
         devices(rows),

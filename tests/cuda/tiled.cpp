@@ -364,6 +364,23 @@ TEST_CASE("the form of execution follows from the device, unless it is asked for
   auto const small = options<Alone>(2);
   CHECK(Run(small).execution().find("resident: ") == 0);
   CHECK(Run(small, tiled).execution().find("tiled, as asked for: ") == 0);
+  emulated::multiprocessors = 5;
+  auto const of_particles = [](std::int64_t environments, std::int64_t particles) {
+    auto o = options<Alone>(environments);
+    for (auto& c : o.capacity)
+      if (c.domain == Particles::name.view()) c.slots = particles;
+    return o;
+  };
+  CHECK(
+      Run(of_particles(2, 4000))
+          .execution()
+          .find(
+              "tiled: with a block for each environment 2 of 5 multiprocessors would be at work") ==
+      0);
+  CHECK(Run(of_particles(2, 4000), resident).execution().find("resident: ") == 0);
+  CHECK(Run(of_particles(2, 3999)).execution().find("resident: ") == 0);
+  CHECK(Run(of_particles(3, 4000)).execution().find("resident: ") == 0);
+  emulated::multiprocessors = 2;
   emulated::shared_bytes_per_block = 65536;  // as on sm_75
   CHECK(Run(small).execution().find("tiled: ") == 0);
   int const allocations = emulated::allocations;

@@ -22,8 +22,9 @@ using OnHost = Simulation<Suturing, Threads, float>;
 
 // The needle's tip is in tissue; ten beads have followed the needle.
 constexpr int tip_in_tissue = test::steps_to_tissue, thread_in_tissue = 2300, steps = 2;
+constexpr Cuda resident{.execution = Cuda::Execution::resident};
 
-OnDevice goes_on(OnHost const& from, int first, std::int64_t environments, Cuda where = {}) {
+OnDevice goes_on(OnHost const& from, int first, std::int64_t environments, Cuda where = resident) {
   OnDevice run(suturing::options(test::config(), environments), where);
   for (std::int64_t env = 0; env < environments; ++env)
     run.state().copy_environment(env, from.state(), 0);
@@ -57,7 +58,8 @@ void compare_companies(OnDevice const& device, OnHost const& from, int first) {
     return test::same_bits(read(device), 0, read(other), env);
   };
   check(same(goes_on(from, first, 3), 2), "in company it has the same bits");
-  check(same(goes_on(from, first, 1, {.threads = 160}), 0), "160 threads give the same bits");
+  check(same(goes_on(from, first, 1, {.threads = 160, .execution = resident.execution}), 0),
+        "160 threads give the same bits");
   check(same(goes_on(from, first, 1, {.execution = Cuda::Execution::tiled}), 0),
         "tiled execution gives the same bits");
 }

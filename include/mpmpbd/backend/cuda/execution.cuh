@@ -26,21 +26,26 @@ template <class Scene, class T> class ExecutionOnGrid {
   // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
   static constexpr bool looks_back = Scene::Body::Transfer::needs_previous_grid;
   static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
+  // An environment of fewer particles is done before a row of launches has begun (decision 34).
+  static constexpr std::int64_t worth_spreading = 4000;
   using Resident = ResidentSteps<Scene, most_threads>;
   using Tiled = TiledSteps<Scene, T>;
 
  public:
-  // Refuses what the present device cannot do, with nothing allocated.
-  ExecutionOnGrid(Cuda const& where, std::int64_t environments, Lattice<T> const& lattice)
+  // particles: of an environment at most. Refuses what the present device cannot do, with nothing allocated.
+  ExecutionOnGrid(Cuda const& where, std::int64_t environments, std::int64_t particles,
+                  Lattice<T> const& lattice)
       : threads_(where.threads),
         environments_(environments),
         nodes_(lattice.count()),
         grid_bytes_(Resident::shared_bytes(nodes_)),
         shared_limit_(attribute(where, cudaDevAttrMaxSharedMemoryPerBlockOptin)),
         processors_(attribute(where, cudaDevAttrMultiProcessorCount)),
+        leaves_idle_(2 * environments < processors_ && particles >= worth_spreading),
         is_resident_(where.execution == Cuda::Execution::automatic
-                         ? fits()
-                         : where.execution == Cuda::Execution::resident) {
+                         ? fits() && !leaves_idle_
+                         : where.execution == Cuda::Execution::resident),
+        asked_for_(where.execution != Cuda::Execution::automatic) {
     if (is_resident_)
       prepare_resident();
     else
@@ -83,7 +88,9 @@ template <class Scene, class T> class ExecutionOnGrid {
                               " of shared memory per block";
     if (is_resident_) return "resident: " + takes;
     if (!fits()) return "tiled: " + takes + ", so it lies in the memory of the device";
-    return "tiled, as asked for: " + takes;
+    if (asked_for_) return "tiled, as asked for: " + takes;
+    return "tiled: with a block for each environment " + std::to_string(environments_) + " of " +
+           std::to_string(processors_) + " multiprocessors would be at work; " + takes;
   }
 
  private:
@@ -109,7 +116,8 @@ template <class Scene, class T> class ExecutionOnGrid {
 
   int threads_;
   std::int64_t environments_, nodes_, grid_bytes_, shared_limit_, processors_;
-  bool is_resident_;
+  bool leaves_idle_;  // one block per environment: more than half of the multiprocessors, for long
+  bool is_resident_, asked_for_;
   Resident resident_;
   Tiled tiled_;
 };
@@ -121,7 +129,7 @@ template <class Scene, class T> class ExecutionAlone {
       "Pbd<Constraints<Distance>>");
 
  public:
-  ExecutionAlone(Cuda const& where, std::int64_t environments, Lattice<T> const&)
+  ExecutionAlone(Cuda const& where, std::int64_t environments, std::int64_t, Lattice<T> const&)
       : threads_(where.threads),
         environments_(environments),
         processors_(attribute(where, cudaDevAttrMultiProcessorCount)) {

@@ -69,7 +69,9 @@ template <class Scene_, class T> struct Simulation<Scene_, Cuda, T>::Device {
   }
   static Execution on_its_device(Cuda const& where, Base const& run) {
     cuda::OnDevice const here(where.device);
-    return Execution(where, run.environments(), run.lattice());
+    std::int64_t particles = 0;
+    if constexpr (Scene::has_body) particles = run.state().template table<Particles>().capacity();
+    return Execution(where, run.environments(), particles, run.lattice());
   }
   void take_memory(Base const& run) {
     auto const state = Layout::bytes(run.state()) + cuda::announced_bytes;
