@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <mpmpbd/backend/cuda.hpp>
 #include <mpmpbd/catalog/scenes.hpp>
 #include <mpmpbd/catalog/suturing.hpp>
 #include <mpmpbd/io/state_file.hpp>
@@ -115,6 +116,19 @@ TEST_CASE("the plans of scenes are as stored", "[scene][plan]") {
   check_golden("tissue", plan<catalog::Tissue>());
   check_golden("tissue_thread", plan<ThreadInTissue>());
   check_golden("suturing", plan<Suturing>());
+}
+
+// What is stored and in which order stages come hangs on the scene; how the grid is kept, on the back end.
+TEST_CASE("the plan of a device is that of the host but for its grids", "[scene][plan][cuda]") {
+  auto text = plan<Suturing, Cuda>();
+  for (auto const& [device, host] : {std::pair{"back end: cuda", "back end: serial"},
+                                     std::pair{"node: 32 B each", "node: 16 B each"}}) {
+    auto const at = text.find(device);
+    REQUIRE(at != std::string::npos);
+    text.replace(at, std::string(device).size(), host);
+  }
+  CHECK(text == plan<Suturing>());
+  CHECK(plan<Suturing, Cuda, double>().find("node: 64 B each") != std::string::npos);
 }
 
 TEST_CASE("suturing environments in contact do not know of each other", "[scene][batch]") {

@@ -9,12 +9,17 @@
 #include <string>
 
 #include <mpmpbd/core/array.hpp>
+#include <mpmpbd/core/fixed_string.hpp>
 #include <mpmpbd/scene/run_state.hpp>
 
 namespace mpmpbd {
 
 // Where to run.
 struct Cuda {
+  static constexpr FixedString name = "cuda";
+  static constexpr int grids =
+      2;  // of an environment, at a time: one is added up while the other is read
+
   // resident: a thread block holds the grid of an environment in shared memory; a step is one launch. tiled: grids in the
   // memory of the device, of up to 2^29 nodes; a step of n substeps is 5 + 3 n launches. automatic: resident where it fits, but
   // tiled where that is faster: environments of 4,000 particles or more, fewer than half as many as the device has

@@ -10,6 +10,8 @@ namespace mpmpbd {
 
 struct Serial {
   static constexpr FixedString name = "serial";
+  static constexpr int grids = 1;  // of an environment, kept at a time
+
   Kernels kernels = Kernels::widest;
 
   int lanes() const { return 1; }

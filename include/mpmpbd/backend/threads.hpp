@@ -18,6 +18,8 @@ namespace mpmpbd {
 
 struct Threads {
   static constexpr FixedString name = "threads";
+  static constexpr int grids = 1;  // of an environment, kept at a time
+
   int count = 0;  // 0: as many as the machine offers
   Kernels kernels = Kernels::widest;
 

@@ -45,10 +45,11 @@ template <class Stage> std::string stage_plan(int number) {
 
 }  // namespace detail
 
-// Bytes of grid scratch per node, as the host keeps it.
-template <class Scene, class T> constexpr std::size_t bytes_per_node() {
+// Bytes of grid scratch per node.
+template <class Scene, class Backend, class T> constexpr std::size_t bytes_per_node() {
   using Extra = typename Scene::NodeFields;
-  return sizeof(Quad<T>) + (contains<Extra, node::PreviousVelocity> ? sizeof(Quad<T>) : 0);
+  constexpr std::size_t quads = contains<Extra, node::PreviousVelocity> ? 2 : 1;
+  return Backend::grids * quads * sizeof(Quad<T>);
 }
 
 // Stages in order with what they read and write, stored fields and bytes by domain, for a scene, back
@@ -62,7 +63,7 @@ template <class Scene, class Backend = Serial, class T = float> std::string plan
   });
   text += "scratch\n";
   if constexpr (Scene::has_body)
-    text += fmt::format("  node: {} B each\n", bytes_per_node<Scene, T>());
+    text += fmt::format("  node: {} B each\n", bytes_per_node<Scene, Backend, T>());
   text += "substep\n";
   int number = 0;
   for_each_type(typename Scene::Substep::Stages{},
