@@ -80,7 +80,7 @@ void mask_some(Cuda where) {
 }
 
 void go_on_from_a_file() {
-  auto whole = device_run(2), first = device_run(2);
+  auto whole = device_run(2, forms[0]), first = device_run(2, forms[0]);
   draw(whole, 1, 70), draw(first, 1, 70);
   drive(whole), drive(first);
   auto const file = (std::filesystem::temp_directory_path() / "mpmpbd_device_batch.state").string();

@@ -1,69 +1,15 @@
-// B43: float against double, and numbers too small for float's normal range.
+// B43: numbers too small for float's normal range. Float against double: physics/mpm_float.cpp.
 // seconds: 1
-#include <mpmpbd/effects/damping.hpp>
-#include <mpmpbd/effects/walls.hpp>
-#include <mpmpbd/mpm/materials/fixed_corotated.hpp>
 #include <mpmpbd/mpm/materials/neo_hookean.hpp>
-#include <mpmpbd/mpm/materials/stable_neo_hookean.hpp>
-#include <mpmpbd/mpm/transfer/tpic.hpp>
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
 
 #include "catch.hpp"
-#include "stability/block.hpp"
+#include "physics/swinging_block.hpp"
 
 using namespace test;
-
-namespace {
-
-template <class Material, class... Policies>
-struct Swinging : Scene<Mpm<Material, Policies...>, Gravity, Wall<Sticky, 2, Side::low>> {};
-
-// A block on a floor that swings under gravity, for about three of its periods.
-template <class S, class T> Block<S, T> swung(double amplitude) {
-  BlockCase const c{.low = vec(4.13, 4.27, 3.0)};
-  Block<S, T> block(c, lame(1e4, 0.4));
-  block.run.template set<Gravity>({{amplitude * 3.0, 0.0, amplitude * -9.81}});
-  block.run.template set<Wall<Sticky, 2, Side::low>>({3 * c.cell});
-  for (int s = 0; s < 600; ++s) block.run.step(3e-4);
-  return block;
-}
-
-// Largest difference of the places in float and double, over the largest way.
-template <class S> double difference(double amplitude) {
-  auto const fine = swung<S, double>(amplitude);
-  auto const coarse = swung<S, float>(amplitude);
-  CHECK(fine.run.status(0) == 0);
-  CHECK(coarse.run.status(0) == 0);
-  auto const start = fine.c.positions();
-  double worst = 0, way = 0;
-  for (std::int64_t p = 0; p < fine.size(); ++p) {
-    auto const x = fine.template get<particle::Position>(p);
-    worst = max(worst, norm(coarse.template get<particle::Position>(p) - x));
-    way = max(way, norm(x - start[static_cast<std::size_t>(p)]));
-  }
-  return worst / way;
-}
-
-template <class S> void check_float(double amplitude) {
-  double const share = difference<S>(amplitude);
-  CAPTURE(amplitude, share);
-  CHECK(share < 1e-3);
-}
-
-}  // namespace
-
-// Places are rounded to about 1e-7 of the domain, so a way of a hundredth of a cell is known to 1e-4.
-TEST_CASE("float is double to a thousandth of the motion", "[stability][B43]") {
-  for (double const amplitude : {5.0, 0.5}) {
-    check_float<Swinging<NeoHookean>>(amplitude);
-    check_float<Swinging<NeoHookean, Flip, WeightGradient>>(amplitude);
-    check_float<Swinging<StableNeoHookean, CubicBSpline>>(amplitude);
-    check_float<Swinging<FixedCorotated, Tpic, WeightGradient>>(amplitude);
-  }
-}
 
 namespace {
 
