@@ -8,10 +8,10 @@
 //
 // environments  2 and 4 substeps, each of the contents (or those named), for as many environments
 // bodies        one environment with larger blocks of tissue; needle and thread apart
-// small         ten environments with smaller blocks of tissue and nothing else
+// small         a few environments with smaller blocks of tissue and nothing else
 // streams       ten environments, dealt out to 1, 2, 4 and 10 runs with a stream each
 // moved         in contact: needles are moved at random, and a hundredth of the environments begins anew, each step
-// moved_body    so is the largest of the bodies, whose needle may touch it
+// moved_body    so is the largest of the bodies
 // devices       so many environments (1,056) on each device that there is: on one, then on all at once
 // decisions     the step loop of the suturing task, moved at random: a step is a decision, 20 steps of 4 substeps
 // threads       threads of 100 beads without tissue, hung up at one end: steps of 0.002 s, 2 substeps; `particles` are beads
@@ -168,7 +168,7 @@ void fill(OnDevice& run, OnHost const& start) {
   run.remember();
 }
 
-char const* form_of(OnDevice const& run) {
+template <class Run> char const* form_of(Run const& run) {
   return run.execution().starts_with("resident") ? "resident" : "tiled";
 }
 
@@ -222,11 +222,13 @@ void bodies(Cuda where) {
   }
 }
 
-// Ten environments of 576 to 10,240 particles.
-void small(Cuda where) {
+// Environments of 576 to 10,240 particles.
+void small(std::vector<std::int64_t> counts, Cuda where) {
+  if (counts.empty()) counts = {1, 10, 40, 60};
   for (double scale : {0.3, 0.4, 0.5, 0.6, 0.8}) {
     auto const c = config(4, scale);
-    measure({"small", c, stitch(c, 0, Contents::tissue), Contents::tissue}, {{where, 10}});
+    auto const start = stitch(c, 0, Contents::tissue);
+    for (auto n : counts) measure({"small", c, start, Contents::tissue}, {{where, n}});
   }
 }
 
@@ -236,14 +238,14 @@ class Hands {
   // Twists in the plane of the suture, at most as fast as the hand of the step loop; and masks for resets.
   Hands(std::int64_t environments, rl::SuturingTaskConfig const& task)
       : environments_(static_cast<std::size_t>(environments)),
-        twists_(6 * sets * environments_ * sizeof(float)),
-        masks_(sets * environments_) {
+        twists_(6 * twist_sets * environments_ * sizeof(float)),
+        masks_(mask_sets * environments_) {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> share(-1.0f, 1.0f);
     auto const speed = static_cast<float>(task.hand.speed),
                rate = static_cast<float>(task.hand.turn_rate);
     std::vector<float> twists;  // (set, component, env): velocity [m/s], turn [rad/s]
-    for (std::size_t set = 0; set < sets; ++set)
+    for (std::size_t set = 0; set < twist_sets; ++set)
       for (float largest : {speed, 0.0f, speed, 0.0f, rate, 0.0f})
         for (std::size_t e = 0; e < environments_; ++e) twists.push_back(largest * share(random));
     std::vector<unsigned char> masks(masks_.bytes());  // (set, env)
@@ -256,17 +258,17 @@ class Hands {
   // Every 20 steps needles move otherwise.
   void step(OnDevice& run, double h) {
     if (count_ % 20 == 0) {
-      auto const* const twists = twists_.as<float>() + count_ / 20 % sets * 6 * environments_;
+      auto const* const twists = twists_.as<float>() + count_ / 20 % twist_sets * 6 * environments_;
       move<needle::LinearVelocity>(run, twists);
       move<needle::AngularVelocity>(run, twists + 3 * environments_);
     }
-    run.reset_where(masks_.as<unsigned char>() + count_ % sets * environments_);
+    run.reset_where(masks_.as<unsigned char>() + count_ % mask_sets * environments_);
     run.step_where(h, nullptr);
     ++count_;
   }
 
  private:
-  static constexpr std::size_t sets = 16;
+  static constexpr std::size_t twist_sets = 64, mask_sets = 1024;  // more than a case has steps for
   // There is a needle in an environment: the planes of its velocity follow one another.
   template <class Velocity> void move(OnDevice& run, float const* planes) const {
     cuda::copy(nullptr, run.array<Velocity>().data, planes, 3 * environments_ * sizeof(float),
@@ -277,11 +279,29 @@ class Hands {
   cuda::Memory twists_, masks_;
 };
 
-// Needles are moved as the hand of the step loop may; timed once environments differ.
-void measure_moved(Case const& c, Place const& place) {
+// Carries out the scripted stitch on the device, in one environment, which then returns to its end.
+void sew(OnDevice& run, SuturingConfig const& c, int steps) {
+  auto const script = c.script();
+  double const h = c.time.step;
+  for (int s = 0; s < steps; ++s) {
+    auto const twist = script.twist(s * h, (s + 1) * h);
+    auto const linear = cast<float>(twist.linear), angular = cast<float>(twist.angular);
+    cuda::copy(nullptr, run.array<needle::LinearVelocity>().data, &linear, sizeof linear,
+               cudaMemcpyHostToDevice);
+    cuda::copy(nullptr, run.array<needle::AngularVelocity>().data, &angular, sizeof angular,
+               cudaMemcpyHostToDevice);
+    run.step_where(h, nullptr);
+  }
+  run.remember();
+}
+
+// Needles are moved as the hand of the step loop may; timed once environments differ. `sewn`: steps of the stitch that are
+// still to be done.
+void measure_moved(Case const& c, Place const& place, int sewn = 0) {
   auto const n = place.environments;
   OnDevice run(suturing::options(c.config, n), place.where);
   fill(run, c.start);
+  if (sewn > 0) sew(run, c.config, sewn);
   Hands hands(n, {});
   auto const step = [&] { hands.step(run, c.config.time.step); };
   for (int s = 0; s < 200; ++s) step();
@@ -299,10 +319,11 @@ void moved(std::vector<std::int64_t> counts, Cuda where) {
   }
 }
 
-// The largest of `bodies`: its surface is looked at, the needle has not come near.
+// The largest of `bodies`.
 void moved_body(Cuda where) {
   auto const c = config(4, scale_of_4_million);
-  measure_moved({"moved_body", c, stitch(c, 0, Contents::contact), Contents::contact}, {where, 1});
+  measure_moved({"moved_body", c, stitch(c, 0, Contents::contact), Contents::contact}, {where, 1},
+                steps_to_tissue);
 }
 
 void streams(Cuda where) {
@@ -351,8 +372,8 @@ void decisions(std::vector<std::int64_t> counts, Cuda where) {
     wait();
     auto const m = time_of(
         2, [&] { envs.step_from(envs.actions()); }, wait);
-    print("decisions", "automatic", 1, 1, load(c.scene, Contents::contact, n),
-          static_cast<int>(c.episode.decision_interval), m,
+    print("decisions", form_of(std::as_const(envs).simulation()), 1, 1,
+          load(c.scene, Contents::contact, n), static_cast<int>(c.episode.decision_interval), m,
           status_of_all(std::as_const(envs).simulation()));
   }
 }
@@ -411,7 +432,7 @@ int main(int argc, char** argv) {
   std::map<std::string, std::function<void()>> const known{
       {"environments", [&] { environments(counts, contents, where); }},
       {"bodies", [&] { bodies(where); }},
-      {"small", [&] { small(where); }},
+      {"small", [&] { small(counts, where); }},
       {"moved", [&] { moved(counts, where); }},
       {"moved_body", [&] { moved_body(where); }},
       {"streams", [&] { streams(where); }},

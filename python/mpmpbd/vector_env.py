@@ -51,13 +51,15 @@ def _stream_number(stream):
     return number
 
 
-def _loop_on_host(config, options, threads, cuda_stream):
+def _loop_on_host(config, options, threads, cuda_stream, execution):
     if cuda_stream:
         raise ValueError(f"mpmpbd: cuda_stream = {cuda_stream} on the host; streams are a device's")
+    if execution != "automatic":
+        raise ValueError(f"mpmpbd: execution = '{execution}' on the host; forms of execution are a device's")
     return _core.SuturingLoop(documents(config), **options, threads=operator.index(threads))
 
 
-def _loop_on_device(config, options, threads, cuda_stream, device, as_array):
+def _loop_on_device(config, options, threads, cuda_stream, execution, device, as_array):
     if as_array is None:
         raise ValueError(
             f"mpmpbd: device = '{device}' needs as_array, which makes arrays of your library from memory of the "
@@ -71,7 +73,11 @@ def _loop_on_device(config, options, threads, cuda_stream, device, as_array):
             "scripts/python.sh --cuda, or with -DMPMPBD_CUDA=ON"
         )
     return _core.SuturingLoopOnDevice(
-        documents(config), **options, device=_device_number(device), stream=_stream_number(cuda_stream)
+        documents(config),
+        **options,
+        device=_device_number(device),
+        stream=_stream_number(cuda_stream),
+        execution=execution,
     )
 
 
@@ -87,10 +93,11 @@ class SuturingVectorEnv(_VectorEnv):
     threads: of the host; 0 for as many as the machine has.
     device: "cpu", "cuda" (which is "cuda:0"), "cuda:1" and so on. On a device nothing is copied and nothing waits: actions and
         masks are taken where they lie, what `step` returns is there when the stream has come to it. The host's are copied,
-        which waits.
+        which waits; so does a step of the scene in tiled form where environments choose their substeps (time.substeps = 0).
     as_array: makes an array of your library from an mpmpbd.Array, without a copy: numpy.asarray (on the host, the default),
         torch.from_dlpack, cupy.asarray. A device has no default.
     cuda_stream: that of all work on a device, of PyTorch, of CuPy, or its number; 0 is the default stream. Work on that one.
+    execution: on a device "resident", "tiled", or "automatic": the faster one, tiled where environments are few.
 
     Observations (num_envs, frames, ...) float32 by group; actions (num_envs, 3) in [-1, 1]; reward (num_envs) float32.
     """
@@ -107,6 +114,7 @@ class SuturingVectorEnv(_VectorEnv):
         device="cpu",
         as_array=None,
         cuda_stream=0,
+        execution="automatic",
     ):
         self.num_envs = operator.index(num_envs)
         self._on_device = _device_number(device) is not None
@@ -119,9 +127,9 @@ class SuturingVectorEnv(_VectorEnv):
             "first_environment": operator.index(first_environment),
         }
         if not self._on_device:
-            self._loop = _loop_on_host(config, options, threads, cuda_stream)
+            self._loop = _loop_on_host(config, options, threads, cuda_stream, execution)
         else:
-            self._loop = _loop_on_device(config, options, threads, cuda_stream, device, as_array)
+            self._loop = _loop_on_device(config, options, threads, cuda_stream, execution, device, as_array)
         self._autoreset = autoreset
         self._at_start = True
         self.action_size = self._loop.action_size

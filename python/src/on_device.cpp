@@ -44,17 +44,27 @@ template <class Envs> class StepLoopOnDevice : public StepLoop<Envs> {
   Borrowed actions_, mask_;
 };
 
+Cuda::Execution execution_named(std::string const& name) {
+  if (name == "automatic") return Cuda::Execution::automatic;
+  if (name == "resident") return Cuda::Execution::resident;
+  if (name == "tiled") return Cuda::Execution::tiled;
+  throw std::invalid_argument("mpmpbd VectorEnv: execution = '" + name +
+                              "'; give 'automatic', 'resident' or 'tiled'");
+}
+
 using Suturing = StepLoopOnDevice<rl::VectorEnv<rl::SuturingTask, Cuda>>;
 
 std::shared_ptr<Suturing> suturing(Documents const& documents, std::int64_t num_envs,
                                    std::optional<std::int64_t> seed, std::string const& autoreset,
                                    std::int64_t first_environment, int device,
-                                   std::uintptr_t stream) {
-  return make_loop<Suturing>(documents,
-                             {.num_envs = num_envs,
-                              .autoreset = autoreset_named(autoreset),
-                              .first_environment = first_environment},
-                             seed, Cuda{.device = device, .stream = stream_of(stream)});
+                                   std::uintptr_t stream, std::string const& execution) {
+  return make_loop<Suturing>(
+      documents,
+      {.num_envs = num_envs,
+       .autoreset = autoreset_named(autoreset),
+       .first_environment = first_environment},
+      seed,
+      Cuda{.device = device, .stream = stream_of(stream), .execution = execution_named(execution)});
 }
 
 }  // namespace
@@ -63,7 +73,7 @@ void declare_suturing_on_device(py::module_& module) {
   declare_loop<Suturing>(module, "SuturingLoopOnDevice")
       .def(py::init(&suturing), py::arg("documents"), py::kw_only(), py::arg("num_envs"),
            py::arg("seed"), py::arg("autoreset"), py::arg("first_environment"), py::arg("device"),
-           py::arg("stream"))
+           py::arg("stream"), py::arg("execution"))
       .def("step_from", &Suturing::step_from)
       .def("reset_where_from", &Suturing::reset_where_from);
 }

@@ -371,15 +371,11 @@ TEST_CASE("the form of execution follows from the device, unless it is asked for
       if (c.domain == Particles::name.view()) c.slots = particles;
     return o;
   };
-  CHECK(
-      Run(of_particles(2, 4000))
-          .execution()
-          .find(
-              "tiled: with a block for each environment 2 of 5 multiprocessors would be at work") ==
-      0);
-  CHECK(Run(of_particles(2, 4000), resident).execution().find("resident: ") == 0);
-  CHECK(Run(of_particles(2, 3999)).execution().find("resident: ") == 0);
-  CHECK(Run(of_particles(3, 4000)).execution().find("resident: ") == 0);
+  CHECK_THAT(Run(of_particles(2, 16001)).execution(),
+             Catch::Contains("tiled: with a block for each environment 2 of 5 multiprocessors"));
+  CHECK(Run(of_particles(2, 16001), resident).execution().find("resident: ") == 0);
+  CHECK(Run(of_particles(2, 16000)).execution().find("resident: ") == 0);
+  CHECK(Run(of_particles(3, 99999)).execution().find("resident: ") == 0);
   emulated::multiprocessors = 2;
   emulated::shared_bytes_per_block = 65536;  // as on sm_75
   CHECK(Run(small).execution().find("tiled: ") == 0);

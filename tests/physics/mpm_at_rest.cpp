@@ -1,4 +1,4 @@
-// B9, B39: tissue at rest on a floor, undamped, shakes in float no more than one rounding makes it.
+// B39: tissue at rest on a floor, undamped, shakes in float no more than one rounding makes it.
 // seconds: 2
 // on a device
 #include <cmath>
@@ -54,10 +54,10 @@ double shaking(Run const& run) {
 
 }  // namespace
 
-// What a substep rounds is off by up to half a count of what sums are rounded to (one standard deviation), and by half a
-// rounding of a number near 1. Did it add up, it would be 27 times that after 3000 substeps; waves pass it to the floor.
+// A substep rounds by up to half a count of sums (one standard deviation) and half a rounding of numbers near 1. Did that add
+// up, the speed would be 27 times the bound after 3000 substeps; transfers smooth it, and the floor takes momentum.
 TEST_CASE("Tissue at rest shakes by a rounding and no more as time goes on",
-          "[mpm][stability][B9][B39]") {
+          "[mpm][stability][B39]") {
   auto run = cube();
   run.set<Damping>({300.0});
   for (int s = 0; s < 3000; ++s) run.step(h);

@@ -1,4 +1,5 @@
-// B43: tissue in float, on a device too, is the host's in double to a thousandth of the motion.
+// B43: tissue in float, on a device too, is the host's in double to a thousandth of the motion; and what rounding to counts
+// adds where velocities are multiplied by gradients of weights.
 // seconds: 1
 // on a device
 #include <mpmpbd/mpm/materials/fixed_corotated.hpp>
@@ -13,15 +14,16 @@ using namespace test;
 
 namespace {
 
-// What fixed point adds [m], where velocities are multiplied by gradients of weights. A node that one particle alone reaches,
-// with the rim of its stencil, d cells in, has a weight of d^2 / 2 there and 2 / d times it as gradient; its velocity is
-// rounded to half a count over that weight. In the mean square over all d, down to the weight of one count, that is the
-// root of 1 / d, and the strain walks so through the block. Three standard deviations.
+// What fixed point may add to such schemes [m]. A node that one particle alone reaches, with the rim of its stencil, d cells in,
+// has a weight of w = d^2 / 2 along that axis and a gradient of 2 w / d; its velocity is rounded to half a count over w, so
+// that the particle's strain is off by count / d, whatever the weights along other axes are. Rims lie anywhere: the mean
+// square over d from the least one, whose weight is one count, to 1 is 1 / least d. It walks at random through all substeps,
+// and adds up over the block. Three standard deviations; what a block meets depends on where its rims lie.
 template <class S> double noise_of_gradients(BlockCase const& c) {
   constexpr double count = quantum<float>;
   if (count == 0.0 || !std::is_same_v<typename S::Body::Form, WeightGradient>) return 0.0;
-  double const rim = std::sqrt(2.0 * count);
-  double const strain = count * std::sqrt(swinging_steps / rim);
+  double const least = std::sqrt(2.0 * count);
+  double const strain = count * std::sqrt(swinging_steps / least);
   return 3.0 * strain * c.cells[0] * c.cell;
 }
 
@@ -45,7 +47,8 @@ template <class S> void check_float(double amplitude) {
 }  // namespace
 
 // Places are rounded to about 1e-7 of the domain, so a way of a hundredth of a cell is known to 1e-4.
-TEST_CASE("float is double to a thousandth of the motion", "[mpm][stability][B43]") {
+TEST_CASE("float is double to a thousandth of the motion and what counts add",
+          "[mpm][stability][B43]") {
   for (double const amplitude : {5.0, 0.5}) {
     check_float<Swinging<NeoHookean>>(amplitude);
     check_float<Swinging<NeoHookean, Flip, WeightGradient>>(amplitude);

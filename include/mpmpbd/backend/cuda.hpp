@@ -18,12 +18,12 @@ namespace mpmpbd {
 struct Cuda {
   static constexpr FixedString name = "cuda";
   static constexpr int grids =
-      2;  // of an environment, at a time: one is added up while the other is read
+      2;  // of an environment, at least: one is added up while the other is read
 
   // resident: a thread block holds the grid of an environment in shared memory; a step is one launch. tiled: grids in the
   // memory of the device, of up to 2^29 nodes; a step of n substeps is 5 + 3 n launches. automatic: resident where it fits, but
-  // tiled where that is faster: environments of 4,000 particles or more, fewer than half as many as the device has
-  // multiprocessors. A scene of threads alone has no grid: leave it automatic; a step is one launch.
+  // tiled where few environments leave most of the device idle: E of them with room for N particles each, on P multiprocessors,
+  // where 2 E / P + 3200 / N < 1. A scene of threads alone has no grid: leave it automatic; a step is one launch.
   enum class Execution { automatic, resident, tiled };
 
   int device = 0;

@@ -45,7 +45,7 @@ template <class Stage> std::string stage_plan(int number) {
 
 }  // namespace detail
 
-// Bytes of grid scratch per node.
+// Bytes of grid scratch per node; resident on a device, a coupling keeps a copy more.
 template <class Scene, class Backend, class T> constexpr std::size_t bytes_per_node() {
   using Extra = typename Scene::NodeFields;
   constexpr std::size_t quads = contains<Extra, node::PreviousVelocity> ? 2 : 1;

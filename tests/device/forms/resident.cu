@@ -98,11 +98,13 @@ auto make_run(std::int64_t environments, Backend where = {}) {
   return run;
 }
 
+constexpr Cuda resident{.execution = Cuda::Execution::resident};
+
 template <class Scene> void compare(char const* name) {
   auto serial = make_run<Scene, Serial>(3);
-  auto device = make_run<Scene, Cuda>(3);
-  auto narrow = make_run<Scene, Cuda>(3, Cuda{0, nullptr, 256});
-  auto alone = make_run<Scene, Cuda>(1);
+  auto device = make_run<Scene, Cuda>(3, resident);
+  auto narrow = make_run<Scene, Cuda>(3, Cuda{.threads = 256, .execution = resident.execution});
+  auto alone = make_run<Scene, Cuda>(1, resident);
   auto tiled = make_run<Scene, Cuda>(3, Cuda{.execution = Cuda::Execution::tiled});
   serial.step(step), device.step(step), narrow.step(step), alone.step(step), tiled.step(step);
   auto const &d = read(device), &s = read(serial);

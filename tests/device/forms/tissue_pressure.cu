@@ -65,7 +65,9 @@ template <class Backend> auto make_run(double stretch, Backend where = {}) {
 
 int main() {
   auto serial = make_run<Serial>(0.975), loose = make_run<Serial>(1.0);
-  auto device = make_run<Cuda>(0.975), narrow = make_run<Cuda>(0.975, Cuda{0, nullptr, 128});
+  constexpr auto resident = Cuda::Execution::resident;
+  auto device = make_run<Cuda>(0.975, Cuda{.execution = resident}),
+       narrow = make_run<Cuda>(0.975, Cuda{.threads = 128, .execution = resident});
   serial.step(step), loose.step(step), device.step(step), narrow.step(step);
 
   double worst = 0, slowed = 0;

@@ -250,6 +250,13 @@ class Lending(unittest.TestCase):
         paid = env.step(tensor(larger)[3:])[1]
         np.testing.assert_array_equal(numpy_of(paid), numpy_of(whole.step(tensor(down(whole)))[1]))
 
+    def test_both_forms_of_execution_give_the_same_bits(self):
+        paid = []
+        for execution in ("resident", "tiled"):
+            env = make(seed=3, execution=execution)
+            paid.append(numpy_of(env.step(tensor(down(env)))[1]))
+        np.testing.assert_array_equal(*paid)
+
     def test_threads_of_python_take_turns(self):
         env = make()
         threads = [threading.Thread(target=lambda: env.step(tensor(down(env)))) for _ in range(6)]
@@ -267,6 +274,8 @@ class Lending(unittest.TestCase):
             ({"device": "gpu"}, "device = 'gpu'; give 'cpu', 'cuda', or 'cuda:1'"),
             ({"device": "cuda:x"}, "device = 'cuda:x'"),
             ({"device": "cpu", "cuda_stream": 5}, "cuda_stream = 5 on the host"),
+            ({"device": "cpu", "execution": "tiled"}, "execution = 'tiled' on the host"),
+            ({"execution": "small"}, "execution = 'small'; give 'automatic', 'resident' or 'tiled'"),
             ({"cuda_stream": 2}, "cuda_stream = 2; give a stream of PyTorch or CuPy, its number"),
         ):
             with self.assertRaisesRegex(ValueError, sentence):

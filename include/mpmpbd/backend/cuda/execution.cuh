@@ -26,8 +26,8 @@ template <class Scene, class T> class ExecutionOnGrid {
   // Shared memory adds 32-bit integers at once, those of 64 bits in a loop; and it does not hold two grids.
   static constexpr bool looks_back = Scene::Body::Transfer::needs_previous_grid;
   static constexpr bool may_be_resident = std::is_same_v<T, float> && !looks_back;
-  // An environment of fewer particles is done before a row of launches has begun (decision 34).
-  static constexpr std::int64_t worth_spreading = 4000;
+  // Particles that a block moves while the tiled form has its kernels launched (decision 34).
+  static constexpr std::int64_t moved_meanwhile = 3200;
   using Resident = ResidentSteps<Scene, most_threads>;
   using Tiled = TiledSteps<Scene, T>;
 
@@ -41,9 +41,8 @@ template <class Scene, class T> class ExecutionOnGrid {
         grid_bytes_(Resident::shared_bytes(nodes_)),
         shared_limit_(attribute(where, cudaDevAttrMaxSharedMemoryPerBlockOptin)),
         processors_(attribute(where, cudaDevAttrMultiProcessorCount)),
-        leaves_idle_(2 * environments < processors_ && particles >= worth_spreading),
         is_resident_(where.execution == Cuda::Execution::automatic
-                         ? fits() && !leaves_idle_
+                         ? fits() && !faster_spread(particles)
                          : where.execution == Cuda::Execution::resident),
         asked_for_(where.execution != Cuda::Execution::automatic) {
     if (is_resident_)
@@ -95,6 +94,11 @@ template <class Scene, class T> class ExecutionOnGrid {
 
  private:
   bool fits() const { return may_be_resident && grid_bytes_ <= shared_limit_; }
+  // Spread over all multiprocessors, particles are moved at half the rate of blocks that keep their grids to themselves: so it
+  // pays where less than half of these would be at work, and more so than the launches cost.
+  bool faster_spread(std::int64_t particles) const {
+    return 2 * environments_ * particles + moved_meanwhile * processors_ < processors_ * particles;
+  }
   void prepare_resident() const {
     if constexpr (!may_be_resident) {
       throw std::invalid_argument("mpmpbd Cuda: resident execution asked for; " + why() +
@@ -116,7 +120,6 @@ template <class Scene, class T> class ExecutionOnGrid {
 
   int threads_;
   std::int64_t environments_, nodes_, grid_bytes_, shared_limit_, processors_;
-  bool leaves_idle_;  // one block per environment: more than half of the multiprocessors, for long
   bool is_resident_, asked_for_;
   Resident resident_;
   Tiled tiled_;
