@@ -8,6 +8,7 @@
 #include <mpmpbd/mpm/transfer/tpic.hpp>
 
 #include "catch.hpp"
+#include "physics/back_end.hpp"
 #include "physics/swinging_block.hpp"
 
 using namespace test;

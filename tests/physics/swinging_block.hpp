@@ -3,7 +3,6 @@
 
 #include <mpmpbd/effects/walls.hpp>
 
-#include "physics/back_end.hpp"
 #include "stability/block.hpp"
 
 namespace test {
@@ -11,8 +10,9 @@ namespace test {
 template <class Material, class... Policies>
 struct Swinging : Scene<Mpm<Material, Policies...>, Gravity, Wall<Sticky, 2, Side::low>> {};
 
-inline constexpr double swinging_step = 3e-4;
+inline constexpr double swinging_step = 3e-4;  // [s]
 inline constexpr int swinging_steps = 600;
+// `amplitude`: of gravity, in terrestrial ones downwards and a third of that sideways.
 template <class S, class T, class Backend = Serial> Block<S, T, Backend> swung(double amplitude) {
   BlockCase const c{.low = vec(4.13, 4.27, 3.0)};
   Block<S, T, Backend> block(c, lame(1e4, 0.4));

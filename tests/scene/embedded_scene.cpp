@@ -4,6 +4,7 @@
 // processors: 2
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include <mpmpbd/backend/cuda.hpp>
 #include <mpmpbd/catalog/scenes.hpp>
